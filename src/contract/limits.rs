@@ -1,0 +1,35 @@
+//! What the service accepts. Configurable, and told to clients by `/v1/info`.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Upper bounds on an upload and on the mesh inside it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Bytes of one upload.
+    pub upload_bytes: u64,
+    /// Triangles of one mesh file, over all its primitives.
+    pub triangles: u64,
+    /// Bytes of the JSON chunk of a glTF file.
+    pub json_bytes: u64,
+    /// Depth of the node hierarchy.
+    pub node_depth: u32,
+    /// Seconds a job may run.
+    pub job_seconds: u64,
+    /// Jobs that may wait in the queue.
+    pub queued_jobs: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            upload_bytes: 256 << 20,
+            triangles: 2_000_000,
+            json_bytes: 16 << 20,
+            node_depth: 64,
+            job_seconds: 600,
+            queued_jobs: 100,
+        }
+    }
+}

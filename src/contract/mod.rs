@@ -1,0 +1,27 @@
+//! The types that cross every boundary of the program: the command line (clap), the API (serde,
+//! OpenAPI) and the pipeline use these same types, so that they cannot drift apart. No algorithm
+//! lives here and nothing here knows another module.
+
+mod budget;
+mod cancel;
+mod certificate;
+mod error_code;
+mod limits;
+mod mesh_kind;
+mod metrics;
+mod option_values;
+mod options;
+mod progress;
+
+pub use budget::Budget;
+pub use cancel::{Cancel, Canceled};
+pub use certificate::Certificate;
+pub use error_code::{ErrorCode, JobError};
+pub use limits::Limits;
+pub use mesh_kind::MeshKind;
+pub use metrics::*;
+pub use option_values::{
+    AtlasGrouping, DoubleSided, LossForm, Quality, Seed, SegmentationSource, StopAfter,
+};
+pub use options::{OptionError, UnwrapOptions};
+pub use progress::{Progress, Run, Stage};

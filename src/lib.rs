@@ -1,0 +1,14 @@
+//! UVSegNet: UV unwrapping with seams that follow an object's parts.
+//!
+//! The modules, in the order in which data flows. Each may import only what stands to its left on
+//! its line (docs/architecture.md has the picture, tests/contract.rs holds it):
+//!
+//! `contract ← device ← mesh ← flatten ← sampling ← segmentation ← charts ← parameterization ←
+//! atlas ← metrics ← preview ← pipeline`
+//!
+//! `contract ← mesh ← synth`, `contract ← config, telemetry ← jobs ← http`,
+//! `contract, config, telemetry, jobs, device, pipeline ← worker`, everything `← cli`.
+
+#![warn(missing_docs)]
+
+pub mod contract;
