@@ -1,0 +1,276 @@
+//! Scene → surface: weld, set faces without area aside, orient, pair. For the solvers only; the
+//! file's geometry stays as it is.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::pairing::{EdgeGroups, pair};
+use super::{FaceOrigin, NONE, Scene, Surface, orient, weld};
+use crate::contract::{Canceled, Repairs, Run};
+
+/// A face whose height is below this share of the diagonal has no area.
+const FLAT: f64 = 1e-7;
+
+/// Condition a scene.
+pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
+    run.cancel.check()?;
+    let mut soup = Vec::new();
+    let mut raw: Vec<[u32; 3]> = Vec::with_capacity(scene.face_count());
+    let mut origins = Vec::with_capacity(scene.face_count());
+    for (p, primitive) in scene.primitives.iter().enumerate() {
+        let base = soup.len() as u32;
+        soup.extend_from_slice(&primitive.positions);
+        for (i, t) in primitive.triangles.iter().enumerate() {
+            raw.push(t.map(|v| v + base));
+            origins.push(FaceOrigin {
+                primitive: p as u32,
+                index: i as u32,
+                node: primitive.node,
+                material: primitive.material.unwrap_or(NONE),
+                component: 0,
+            });
+        }
+    }
+    let (low, diagonal) = extent(&soup, &raw);
+    let (ids, positions) = weld::weld(&soup, low, weld::TOLERANCE * diagonal);
+    run.cancel.check()?;
+    let mut triangles: Vec<[u32; 3]> = raw.iter().map(|t| t.map(|v| ids[v as usize])).collect();
+
+    let measured = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        let cross = (b - a).cross(c - a);
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let usable = cross.length() > FLAT * diagonal * longest && cross.length() > 0.0;
+        (usable, cross)
+    };
+    let usable: Vec<bool> = triangles.iter().map(|t| measured(t).0).collect();
+    let area = |t: &[u32; 3]| {
+        let (usable, cross) = measured(t);
+        if usable { 0.5 * cross.length() } else { 0.0 }
+    };
+    let areas: Vec<f64> = triangles.iter().map(area).collect();
+    let groups = EdgeGroups::new(&triangles, &usable);
+    run.cancel.check()?;
+    let reversed = orient::disagreeing(&triangles, &areas, &groups);
+    for (t, _) in triangles.iter_mut().zip(&reversed).filter(|(_, r)| **r) {
+        t.swap(1, 2);
+    }
+    let normals: Vec<DVec3> = triangles
+        .iter()
+        .map(|t| {
+            let (usable, cross) = measured(t);
+            if usable { cross.normalize_or_zero() } else { DVec3::ZERO }
+        })
+        .collect();
+    // Turning a face over renumbers its half-edges.
+    let groups = EdgeGroups::new(&triangles, &usable);
+    number_components(&mut origins, &groups);
+    let components: Vec<u32> = origins.iter().map(|o| o.component).collect();
+    let twin = pair(&triangles, &normals, &components, &groups);
+    run.cancel.check()?;
+    let sheet_mate = sheet_mates(&triangles, &usable);
+
+    let used = ids.iter().copied().max().map_or(0, |m| m as u64 + 1);
+    let repairs = Repairs {
+        welded: soup.len() as u64 - used,
+        zero_area_faces: usable.iter().filter(|u| !**u).count() as u64,
+        nonmanifold_edges: groups.iter().filter(|g| g.len() > 2).count() as u64,
+        split_vertices: split_vertices(&triangles, &usable, &twin),
+        reoriented_faces: reversed.iter().filter(|r| **r).count() as u64,
+        double_sided_faces: sheet_mate.iter().filter(|&&m| m != NONE).count() as u64,
+    };
+    Ok(Surface {
+        positions,
+        triangles,
+        reversed,
+        twin,
+        usable,
+        normals,
+        areas,
+        sheet_mate,
+        origins,
+        labels: scene.labels.clone(),
+        names: scene.primitives.iter().map(|p| p.name.clone()).collect(),
+        diagonal,
+        repairs,
+    })
+}
+
+/// Lowest corner and diagonal of the box around all vertices that a face uses.
+fn extent(positions: &[DVec3], triangles: &[[u32; 3]]) -> (DVec3, f64) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for v in triangles.iter().flatten() {
+        low = low.min(positions[*v as usize]);
+        high = high.max(positions[*v as usize]);
+    }
+    let diagonal = (high - low).length();
+    if diagonal.is_finite() && diagonal > 0.0 { (low, diagonal) } else { (DVec3::ZERO, 1.0) }
+}
+
+/// Connected components within each primitive: faces that share an edge there.
+fn number_components(origins: &mut [FaceOrigin], groups: &EdgeGroups) {
+    let mut parent: Vec<u32> = (0..origins.len() as u32).collect();
+    for group in groups.iter() {
+        for (i, &a) in group.iter().enumerate() {
+            for &b in &group[..i] {
+                let (f, g) = (a / 3, b / 3);
+                if origins[f as usize].primitive == origins[g as usize].primitive {
+                    union(&mut parent, f, g);
+                    break;
+                }
+            }
+        }
+    }
+    let mut number = HashMap::new();
+    for (f, origin) in origins.iter_mut().enumerate() {
+        let next = number.len() as u32;
+        origin.component = *number.entry(find(&mut parent, f as u32)).or_insert(next);
+    }
+}
+
+/// For each face the one with the same vertices and the opposite winding.
+fn sheet_mates(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<u32> {
+    let mut keyed: Vec<([u32; 3], bool, u32)> = Vec::with_capacity(triangles.len());
+    for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
+        let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+        let [a, b, c] = [t[least], t[(least + 1) % 3], t[(least + 2) % 3]];
+        keyed.push(([a, b.min(c), b.max(c)], b < c, f as u32));
+    }
+    keyed.sort_unstable();
+    let mut mates = vec![NONE; triangles.len()];
+    for group in keyed.chunk_by(|x, y| x.0 == y.0) {
+        let split = group.partition_point(|x| !x.1);
+        let (left, right) = group.split_at(split);
+        for (l, r) in left.iter().zip(right) {
+            mates[l.2 as usize] = r.2;
+            mates[r.2 as usize] = l.2;
+        }
+    }
+    mates
+}
+
+/// How many fans of faces there are beyond one a vertex (bow ties, non-manifold vertices).
+fn split_vertices(triangles: &[[u32; 3]], usable: &[bool], twin: &[u32]) -> u64 {
+    let mut parent: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+    for (h, &t) in twin.iter().enumerate().filter(|(_, t)| **t != NONE) {
+        // The half-edge's start meets the twin's end, and the other way round.
+        let (f, k) = (h / 3, h % 3);
+        let (g, l) = (t as usize / 3, t as usize % 3);
+        union(&mut parent, (3 * f + k) as u32, (3 * g + (l + 1) % 3) as u32);
+        union(&mut parent, (3 * f + (k + 1) % 3) as u32, (3 * g + l) as u32);
+    }
+    let mut fans = 0u64;
+    let mut seen = std::collections::HashSet::new();
+    for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
+        for k in 0..3 {
+            let corner = (3 * f + k) as u32;
+            fans += u64::from(find(&mut parent, corner) == corner);
+            seen.insert(t[k]);
+        }
+    }
+    fans - seen.len() as u64
+}
+
+fn find(parent: &mut [u32], mut x: u32) -> u32 {
+    while parent[x as usize] != x {
+        parent[x as usize] = parent[parent[x as usize] as usize];
+        x = parent[x as usize];
+    }
+    x
+}
+
+/// Join two sets; the smaller number stays the root.
+fn union(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}
+
+#[cfg(test)]
+mod tests {
+    //! Conditioning on the kinds of mesh that real files hold.
+
+    use super::*;
+    use crate::mesh::{Document, Primitive};
+
+    fn scene(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Scene {
+        let primitive = Primitive {
+            positions: positions.iter().map(|p| DVec3::from_array(*p)).collect(),
+            triangles: triangles.to_vec(),
+            ..Default::default()
+        };
+        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
+        Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] }
+    }
+
+    fn conditioned(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Surface {
+        condition(&scene(positions, triangles), &Run::quiet()).unwrap()
+    }
+
+    const QUAD: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+
+    #[test]
+    fn a_soup_is_welded_and_paired() {
+        let soup = [QUAD[0], QUAD[1], QUAD[2], QUAD[0], QUAD[2], QUAD[3]];
+        let s = conditioned(&soup, &[[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(s.repairs.welded, 2);
+        assert_eq!(s.twin[2], 3);
+        assert_eq!(s.twin.iter().filter(|&&t| t != NONE).count(), 2);
+    }
+
+    #[test]
+    fn a_turned_face_is_turned_back() {
+        let strip =
+            [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 2., 0.], [1., 2., 0.]];
+        let s = conditioned(&strip, &[[0, 1, 2], [0, 2, 3], [3, 2, 4], [2, 4, 5]]);
+        assert_eq!(s.repairs.reoriented_faces, 1);
+        assert!(s.reversed[3]);
+        assert!(s.normals.iter().all(|n| n.z > 0.99));
+        assert_eq!([s.file_corner(3, 0), s.file_corner(3, 1), s.file_corner(3, 2)], [0, 2, 1]);
+    }
+
+    #[test]
+    fn a_double_sided_box_corner_becomes_two_sheets() {
+        // Two quads that meet at 90°, each face with both windings.
+        let p =
+            [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [1., 0., 1.], [1., 1., 1.]];
+        let front = [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]];
+        let mut faces = front.to_vec();
+        faces.extend(front.iter().map(|&[a, b, c]| [a, c, b]));
+        let s = conditioned(&p, &faces);
+        assert_eq!(s.repairs.double_sided_faces, 8);
+        for (h, &t) in s.twin.iter().enumerate().filter(|(_, t)| **t != NONE) {
+            assert_eq!(h / 3 < 4, t / 3 < 4, "half-edge {h} pairs with the other sheet");
+        }
+        assert_eq!(s.twin.iter().filter(|&&t| t != NONE).count(), 12);
+        assert_eq!(s.sheet_mate[0], 4);
+    }
+
+    #[test]
+    fn degenerate_faces_are_set_aside() {
+        let s = conditioned(&QUAD, &[[0, 1, 2], [0, 2, 3], [0, 0, 1]]);
+        assert_eq!(s.usable, [true, true, false]);
+        assert_eq!(s.repairs.zero_area_faces, 1);
+    }
+
+    #[test]
+    fn a_bow_tie_is_two_fans() {
+        let p = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [-1., 0., 0.], [0., -1., 0.]];
+        let s = conditioned(&p, &[[0, 1, 2], [0, 3, 4]]);
+        assert_eq!(s.repairs.split_vertices, 1);
+    }
+
+    #[test]
+    fn dihedral_angles_have_a_sign() {
+        let p =
+            [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [1., 0., -1.], [1., 1., -1.]];
+        let s = conditioned(&p, &[[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]]);
+        let right = std::f64::consts::FRAC_PI_2;
+        assert!((s.dihedral(1) - right).abs() < 1e-12, "{}", s.dihedral(1));
+        let mut valley = p;
+        valley[4][2] = 1.0;
+        valley[5][2] = 1.0;
+        let s = conditioned(&valley, &[[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]]);
+        assert!((s.dihedral(1) + right).abs() < 1e-12);
+    }
+}

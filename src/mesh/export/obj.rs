@@ -1,0 +1,132 @@
+//! An OBJ file as a fresh glTF document: a node and a mesh for each object or group, a primitive
+//! for each of its materials, materials by name.
+
+use serde_json::{Map, Value, json};
+
+use super::binary::{Streams, lay_out};
+use super::split::split;
+use super::{ExportError, stored};
+use crate::mesh::import::obj::{ABSENT, ObjCorner, ObjDocument, ObjRun};
+
+/// The document with `uvs` in `TEXCOORD_{channel}`, and its binary chunk. The file's own texture
+/// coordinates are kept as TEXCOORD_0 if `channel` is another.
+pub(super) fn document(
+    document: &ObjDocument,
+    uvs: &[[[f32; 2]; 3]],
+    channel: u8,
+) -> Result<(Value, Vec<u8>), ExportError> {
+    let mut streams = Streams::new(0);
+    let mut accessors = Vec::new();
+    let mut meshes: Vec<Vec<Value>> = vec![Vec::new(); document.groups.len()];
+    let mut rest = uvs;
+    for run in &document.runs {
+        let (own, others) = rest.split_at(run.faces.len());
+        let primitive = primitive(document, run, own, channel, &mut streams, &mut accessors);
+        meshes[run.group as usize].push(primitive);
+        rest = others;
+    }
+    let named = |name: &str, rest: (&str, Value)| {
+        let mut object = Map::new();
+        if !name.is_empty() {
+            object.insert("name".into(), name.into());
+        }
+        object.insert(rest.0.into(), rest.1);
+        Value::Object(object)
+    };
+    let groups = || document.groups.iter().enumerate();
+    let nodes: Vec<Value> = groups().map(|(i, name)| named(name, ("mesh", i.into()))).collect();
+    let meshes: Vec<Value> = document
+        .groups
+        .iter()
+        .zip(meshes)
+        .map(|(name, primitives)| named(name, ("primitives", primitives.into())))
+        .collect();
+    let matte = json!({"metallicFactor": 0.0});
+    let materials = document.materials.iter();
+    let materials: Vec<Value> =
+        materials.map(|name| named(name, ("pbrMetallicRoughness", matte.clone()))).collect();
+    let mut json = json!({
+        "asset": {
+            "version": "2.0",
+            "generator": concat!("uvsegnet ", env!("CARGO_PKG_VERSION")),
+        },
+        "scene": 0,
+        "scenes": [{"nodes": groups().map(|(i, _)| i).collect::<Vec<_>>()}],
+        "nodes": nodes,
+        "meshes": meshes,
+    });
+    if !materials.is_empty() {
+        json["materials"] = materials.into();
+    }
+    json["accessors"] = accessors.into();
+    json["bufferViews"] = streams.views().collect();
+    let kept: Vec<usize> = (0..json["bufferViews"].as_array().map_or(0, Vec::len)).collect();
+    let bin = lay_out(&mut json, &kept, None, &streams)?;
+    Ok((json, bin))
+}
+
+fn primitive(
+    document: &ObjDocument,
+    run: &ObjRun,
+    uvs: &[[[f32; 2]; 3]],
+    channel: u8,
+    streams: &mut Streams,
+    accessors: &mut Vec<Value>,
+) -> Value {
+    let corners = || run.faces.as_flattened().iter();
+    let normals = corners().all(|corner| {
+        corner.normal != ABSENT && document.normals[corner.normal as usize] != [0.0; 3]
+    });
+    let texcoords = channel > 0 && corners().all(|corner| corner.texcoord != ABSENT);
+    let keys = corners().zip(uvs.as_flattened()).map(|(&corner, &uv)| {
+        let key = ObjCorner {
+            normal: if normals { corner.normal } else { ABSENT },
+            texcoord: if texcoords { corner.texcoord } else { ABSENT },
+            ..corner
+        };
+        (key, stored(uv).map(f32::to_bits))
+    });
+    let (vertices, indices) = split(keys);
+
+    let mut add = |accessor: Value| {
+        accessors.push(accessor);
+        Value::from(accessors.len() - 1)
+    };
+    let mut attributes = Map::new();
+    let position =
+        |key: &(ObjCorner, _)| document.positions[key.0.position as usize].map(|c| c as f32);
+    let mut positions = streams.append_floats(vertices.iter().map(position));
+    for (bound, pick) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
+        let points = vertices.iter().map(position);
+        let value = points.reduce(|a, b| [0, 1, 2].map(|k| pick(a[k], b[k]))).unwrap_or_default();
+        positions.insert(bound.into(), value.map(f64::from).to_vec().into());
+    }
+    attributes.insert("POSITION".into(), add(positions.into()));
+    if normals {
+        let normal = vertices.iter().map(|(corner, _)| document.normals[corner.normal as usize]);
+        attributes.insert("NORMAL".into(), add(streams.append_floats(normal).into()));
+    }
+    if let Some(colors) = &document.colors {
+        let color = vertices.iter().map(|(corner, _)| colors[corner.position as usize]);
+        attributes.insert("COLOR_0".into(), add(streams.append_floats(color).into()));
+    }
+    if texcoords {
+        let uv =
+            |(corner, _): &(ObjCorner, _)| stored(document.texcoords[corner.texcoord as usize]);
+        let kept = streams.append_floats(vertices.iter().map(uv));
+        attributes.insert("TEXCOORD_0".into(), add(kept.into()));
+    }
+    let uvs = vertices.iter().map(|(_, uv)| uv.map(f32::from_bits));
+    let uvs = add(streams.append_floats(uvs).into());
+    for set in 0..=channel {
+        attributes.entry(format!("TEXCOORD_{set}")).or_insert_with(|| uvs.clone());
+    }
+    let indices = add(streams.append_indices(&indices, vertices.len()));
+    let mut primitive = Map::new();
+    primitive.insert("attributes".into(), attributes.into());
+    primitive.insert("indices".into(), indices);
+    if let Some(material) = run.material {
+        primitive.insert("material".into(), material.into());
+    }
+    Value::Object(primitive)
+}

@@ -1,0 +1,17 @@
+//! Meshes: the scene as it was uploaded, kept whole, and the conditioned triangle surface that the
+//! solvers work on.
+
+mod condition;
+pub mod export;
+pub mod import;
+mod orient;
+mod pairing;
+pub mod rays;
+mod scene;
+mod surface;
+mod weld;
+
+pub use condition::condition;
+pub use import::{ImportError, import};
+pub use scene::{Document, Primitive, Scene};
+pub use surface::{CREASE, FaceOrigin, NONE, Surface};

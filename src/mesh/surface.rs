@@ -1,0 +1,121 @@
+//! The triangle surface that the solvers work on. Half-edge `h = 3 f + k` runs from corner `k` of
+//! face `f` to corner `(k + 1) % 3`. Face `f` is the f-th face of the scene in face order, also
+//! where it was turned over; faces without area keep their number and are in no chart.
+
+use glam::DVec3;
+
+use crate::contract::Repairs;
+
+/// "No half-edge", "no face".
+pub const NONE: u32 = u32::MAX;
+
+/// A dihedral angle above this (radians) is a crease (paper 2.1.1: 30°).
+pub const CREASE: f64 = std::f64::consts::PI / 6.0;
+
+/// Where a face comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct FaceOrigin {
+    /// Index into `Scene::primitives`.
+    pub primitive: u32,
+    /// Index of the face within that primitive.
+    pub index: u32,
+    /// Node of the primitive.
+    pub node: u32,
+    /// Material of the primitive, or [`NONE`].
+    pub material: u32,
+    /// Connected component, counted within the primitive's own vertices (before welding across
+    /// primitives).
+    pub component: u32,
+}
+
+/// A conditioned triangle surface.
+#[derive(Debug, Clone, Default)]
+pub struct Surface {
+    /// Welded vertex positions, world units.
+    pub positions: Vec<DVec3>,
+    /// Welded vertex triples, consistently wound. Length: faces.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whether the winding here is opposite to the file's. Length: faces.
+    pub reversed: Vec<bool>,
+    /// The half-edge on the other side, running the other way, or [`NONE`] at a border. At an edge
+    /// of more than two faces the flattest pairs are twins. Length: 3 × faces.
+    pub twin: Vec<u32>,
+    /// Whether the face has area. Length: faces.
+    pub usable: Vec<bool>,
+    /// Unit normals (zero for faces without area). Length: faces.
+    pub normals: Vec<DVec3>,
+    /// Areas, world units squared. Length: faces.
+    pub areas: Vec<f64>,
+    /// The face at the same place with the opposite winding, or [`NONE`]. Length: faces.
+    pub sheet_mate: Vec<u32>,
+    /// Where each face comes from. Length: faces.
+    pub origins: Vec<FaceOrigin>,
+    /// Given labels, −1 unknown. Length: faces.
+    pub labels: Option<Vec<i32>>,
+    /// Name of each primitive of the scene, for naming parts.
+    pub names: Vec<String>,
+    /// Diagonal of the bounding box, world units (1 for a point).
+    pub diagonal: f64,
+    /// What was repaired.
+    pub repairs: Repairs,
+}
+
+impl Surface {
+    /// Number of faces, usable or not.
+    pub fn face_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Positions of a face's corners.
+    pub fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.triangles[face].map(|v| self.positions[v as usize])
+    }
+
+    /// Centroid of a face.
+    pub fn centroid(&self, face: usize) -> DVec3 {
+        let [a, b, c] = self.corners(face);
+        (a + b + c) / 3.0
+    }
+
+    /// First vertex of a half-edge.
+    pub fn from(&self, h: u32) -> u32 {
+        self.triangles[h as usize / 3][h as usize % 3]
+    }
+
+    /// Second vertex of a half-edge.
+    pub fn to(&self, h: u32) -> u32 {
+        self.triangles[h as usize / 3][(h as usize % 3 + 1) % 3]
+    }
+
+    /// Length of a half-edge, world units.
+    pub fn length(&self, h: u32) -> f64 {
+        self.positions[self.from(h) as usize].distance(self.positions[self.to(h) as usize])
+    }
+
+    /// Signed dihedral angle at a half-edge, radians: 0 where flat, positive where the surface is
+    /// convex, negative where it is concave; 0 at a border.
+    pub fn dihedral(&self, h: u32) -> f64 {
+        let t = self.twin[h as usize];
+        if t == NONE {
+            return 0.0;
+        }
+        let (n, m) = (self.normals[h as usize / 3], self.normals[t as usize / 3]);
+        let edge = self.positions[self.to(h) as usize] - self.positions[self.from(h) as usize];
+        n.cross(m).dot(edge.normalize_or_zero()).atan2(n.dot(m))
+    }
+
+    /// Whether the two faces at a half-edge meet at more than 30° (paper, Eq. 1).
+    pub fn is_crease(&self, h: u32) -> bool {
+        self.dihedral(h).abs() > CREASE
+    }
+
+    /// Which corner of the file's triangle is corner `k` of face `face` here.
+    pub fn file_corner(&self, face: usize, k: usize) -> usize {
+        if self.reversed[face] { [0, 2, 1][k] } else { k }
+    }
+
+    /// Total area of the usable faces, world units squared.
+    pub fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+}
