@@ -13,3 +13,4 @@
 
 pub mod contract;
 pub mod mesh;
+pub mod flatten;

@@ -1,0 +1,45 @@
+//! Maps of one disk to the plane: the measures of a map (Jacobians, energies), the maps that need
+//! no training (unroll, planar, unfold, LSCM, Tutte), the descent that keeps triangles unflipped
+//! (SLIM), and the proof that one chart is injective.
+
+mod border;
+mod classical;
+mod disk;
+mod error;
+mod injective;
+mod jacobian;
+mod lscm;
+mod model;
+mod overlap;
+mod planar;
+mod slim;
+mod start;
+mod step;
+mod sweep;
+mod system;
+mod tutte;
+mod unfold;
+mod unroll;
+
+#[cfg(test)]
+pub(crate) mod samples;
+
+pub use border::{Border, is_disk};
+pub use classical::{Island, unwrap_classically};
+pub use disk::{Disk, UvMap, flatten_triangle};
+pub use error::FlattenError;
+pub use injective::{
+    ChartProof, certify, count_flips, is_positive, is_simple, orientation, segments_meet,
+};
+pub use jacobian::{
+    MapQuality, quality, rescale, rescale_optimally, scale, singular_values, symmetric_dirichlet,
+    symmetric_dirichlet_gradient,
+};
+pub use lscm::lscm;
+pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};
+pub use planar::planar;
+pub use slim::{Slim, SlimOptions, slim};
+pub use start::{StartMap, start_map};
+pub use tutte::tutte;
+pub use unfold::unfold;
+pub use unroll::unroll;
