@@ -14,3 +14,5 @@
 pub mod contract;
 pub mod mesh;
 pub mod flatten;
+pub mod sampling;
+pub mod segmentation;

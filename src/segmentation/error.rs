@@ -1,0 +1,44 @@
+//! Why the parts cannot be found as asked.
+
+use crate::contract::{Canceled, ErrorCode};
+
+/// An error of the segmentation.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SegmentationError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Canceled(#[from] Canceled),
+    /// `segmentation = labels` without labels.
+    #[error(
+        "segmentation is labels, but no labels were given: send a part `labels` (one integer a \
+         line, line i for face i), or a vertex attribute _PART, or choose another source"
+    )]
+    NoLabels,
+    /// Labels for another mesh.
+    #[error("there are {labels} labels and the mesh has {faces} faces: give one label a face")]
+    WrongCount {
+        /// Labels given.
+        labels: usize,
+        /// Faces of the mesh.
+        faces: usize,
+    },
+    /// Labels that say nothing.
+    #[error("every label is -1 (unknown): label at least one face, or choose another source")]
+    NoneKnown,
+    /// `segmentation = learned`.
+    #[error("segmentation = learned is not in this version: choose auto, authored or geometric")]
+    NotInThisVersion,
+}
+
+impl SegmentationError {
+    /// The code of this error in the service's table.
+    pub fn code(&self) -> ErrorCode {
+        match self {
+            Self::Canceled(_) => ErrorCode::Internal,
+            Self::NoLabels
+            | Self::WrongCount { .. }
+            | Self::NoneKnown
+            | Self::NotInThisVersion => ErrorCode::InvalidOption,
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! What a source says: candidate parts, and which of them each face or point speaks for.
+
+use crate::contract::SegmentationSource;
+
+/// A part that a source proposes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its name; pieces of one candidate are numbered.
+    pub name: String,
+    /// Who proposes it.
+    pub source: SegmentationSource,
+    /// How sure that is, 0 to 1.
+    pub confidence: f64,
+}
+
+/// The scores of one source. A face that is `fixed` keeps its label. The others get the label that
+/// the graph cut finds best for the votes of their points.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PartScores {
+    /// The candidates; labels are indices into these.
+    pub candidates: Vec<Candidate>,
+    /// Label of each face that is certain, −1 where the votes decide. Length: faces.
+    pub fixed: Vec<i32>,
+    /// Label that each point of the dense cloud votes for, −1 for none. Length: points, or empty.
+    pub votes: Vec<i32>,
+    /// Weight of each point's vote, 0 to 1. Length: as `votes`.
+    pub weights: Vec<f32>,
+}
