@@ -16,3 +16,4 @@ pub mod mesh;
 pub mod flatten;
 pub mod sampling;
 pub mod segmentation;
+pub mod charts;

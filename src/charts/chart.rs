@@ -1,0 +1,103 @@
+//! One chart: faces flattened together, a topological disk.
+
+use glam::DVec3;
+
+use crate::flatten::{Disk, StartMap, UvMap};
+
+/// What shape a chart was taken for (paper 2.3.1: cylinders are treated apart).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum ChartShape {
+    /// Anything.
+    #[default]
+    General,
+    /// The side of a cylinder or cone, cut along one axial line.
+    Tubular {
+        /// A point on the axis.
+        origin: DVec3,
+        /// Unit axis.
+        axis: DVec3,
+        /// Radius at the origin.
+        radius: f64,
+        /// Change of radius along the axis (0 for a cylinder).
+        taper: f64,
+    },
+}
+
+/// How a start map was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StartKind {
+    /// Projected: the chart is flat.
+    Planar,
+    /// Unrolled from a cylinder or cone, in closed form.
+    Unroll,
+    /// Unfolded triangle by triangle along a dual tree (exact on developable charts).
+    Unfold,
+    /// Least squares conformal map.
+    #[default]
+    Lscm,
+    /// Tutte's embedding in a disk: always injective.
+    Tutte,
+    /// The maps of the patches that were joined, each next to the other: where LSCM flips.
+    Weld,
+    /// Taken from uvunwrap.
+    Uvunwrap,
+}
+
+/// Faces that are flattened together.
+#[derive(Debug, Clone, Default)]
+pub struct Chart {
+    /// The part it belongs to.
+    pub part: u32,
+    /// Faces of the surface, in ascending order.
+    pub faces: Vec<u32>,
+    /// The same faces in the same order as a mesh of its own, cut open.
+    pub disk: Disk,
+    /// Vertex of the surface that each vertex of the disk stands for.
+    pub vertices: Vec<u32>,
+    /// What it was taken for.
+    pub shape: ChartShape,
+    /// Start map at scale 1 (UV area about 3D area), not flipped anywhere.
+    pub start: UvMap,
+    /// The map by which cutting proved that the chart can be flattened within the bound: injective,
+    /// scale 1.
+    pub cut_map: UvMap,
+    /// How the start map was made.
+    pub start_kind: StartKind,
+}
+
+impl From<StartMap> for StartKind {
+    fn from(kind: StartMap) -> Self {
+        match kind {
+            StartMap::Planar => Self::Planar,
+            StartMap::Unfold => Self::Unfold,
+            StartMap::Lscm => Self::Lscm,
+            StartMap::Tutte => Self::Tutte,
+        }
+    }
+}
+
+impl StartKind {
+    /// The kind as it is written in the metrics.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Planar => "planar",
+            Self::Unroll => "unroll",
+            Self::Unfold => "unfold",
+            Self::Lscm => "lscm",
+            Self::Tutte => "tutte",
+            Self::Weld => "weld",
+            Self::Uvunwrap => "uvunwrap",
+        }
+    }
+}
+
+impl ChartShape {
+    /// The shape as it is written in the metrics.
+    pub fn as_str(&self) -> &'static str {
+        match self {
+            Self::General => "general",
+            Self::Tubular { taper, .. } if taper.abs() > 0.01 => "cone",
+            Self::Tubular { .. } => "cylinder",
+        }
+    }
+}

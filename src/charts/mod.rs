@@ -1,0 +1,20 @@
+//! Parts into charts: boundary features, cylinders and cones, cuts, split and merge. A chart is a
+//! topological disk, cut open. Every disk is made from patches that are disks by construction and
+//! joined along one path at a time, so that holes, handles and closed surfaces are cut and never
+//! refused.
+
+pub mod boundary;
+mod build;
+mod chart;
+mod cluster;
+mod cost;
+mod fit;
+mod merge;
+mod open;
+mod part_mesh;
+mod patchwork;
+mod split;
+mod tube;
+
+pub use build::{ChartOptions, build, split_chart};
+pub use chart::{Chart, ChartShape, StartKind};
