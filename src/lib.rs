@@ -12,8 +12,10 @@
 #![warn(missing_docs)]
 
 pub mod contract;
+pub mod device;
 pub mod mesh;
 pub mod flatten;
 pub mod sampling;
 pub mod segmentation;
 pub mod charts;
+pub mod parameterization;
