@@ -19,3 +19,4 @@ pub mod sampling;
 pub mod segmentation;
 pub mod charts;
 pub mod parameterization;
+pub mod atlas;

@@ -1,0 +1,19 @@
+//! The atlas: charts placed on pages at one texel density, their coordinates made single precision
+//! without losing a triangle, and the proof that nothing overlaps: by raster, by exact predicates,
+//! and by the gutter between charts.
+
+mod certificate;
+mod gutter;
+mod pack;
+mod placement;
+mod quantise;
+mod raster;
+mod rectangle;
+mod shape;
+
+pub use certificate::{AtlasCertificates, Demands, Placed, certify_atlas};
+pub use gutter::gutters;
+pub use pack::{Atlas, PackError, PackOptions, pack};
+pub use placement::Placement;
+pub use quantise::{GRID, Quantised, quantise};
+pub use raster::{Coverage, rasterise};

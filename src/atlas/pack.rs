@@ -1,0 +1,355 @@
+//! Packing by the crate `uvunwrap`, which places given islands by shape at one texel density. Each
+//! chart is one flat mesh, so that the packer cannot join or cut charts; of its answer only page,
+//! rotation, translation and density are taken, and applied to the chart in double precision. An
+//! answer that is no such similarity (the packer unwraps anew what it finds unfit) is not believed:
+//! that chart is packed again as a rectangle.
+
+use glam::DVec2;
+use uvunwrap::{Density, MeshInput, Options, Packing};
+
+use super::placement::Placement;
+use super::shape::Shape;
+use crate::contract::{Cancel, Canceled};
+use crate::flatten::{Disk, UvMap};
+
+/// How to pack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PackOptions {
+    /// Side of the square page, texels.
+    pub page_size: u32,
+    /// Least gutter between two charts, texels.
+    pub padding: u32,
+    /// Texel density of each chart relative to the others; empty: all alike.
+    pub weights: Vec<f64>,
+}
+
+/// Why charts could not be packed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PackError {
+    /// The page has no room between its margins.
+    #[error("a padding of {padding} texels leaves no room on a page of {page_size}")]
+    PaddingTooLarge {
+        /// Texels asked for between charts.
+        padding: u32,
+        /// Texels across the page.
+        page_size: u32,
+    },
+    /// Not one weight a chart, or one that is not positive.
+    #[error("weights must be positive and one for each chart, or none at all")]
+    Weights,
+    /// A chart whose map is not finite or has no extent.
+    #[error("chart {0} has no extent or a coordinate that is not finite")]
+    Degenerate(usize),
+    /// A chart for which the packer's answer is no similarity of what it was given.
+    #[error("the packer changed the shape of chart {0}")]
+    Changed(usize),
+    /// The packer gave up.
+    #[error("the packer gave up: {0}")]
+    Packer(uvunwrap::Error),
+    /// Asked to stop.
+    #[error(transparent)]
+    Canceled(#[from] Canceled),
+}
+
+/// Charts on pages.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Atlas {
+    /// How many pages.
+    pub pages: u32,
+    /// Side of the square page, texels.
+    pub page_size: u32,
+    /// Where each chart is.
+    pub placements: Vec<Placement>,
+    /// Coordinates of each chart's vertices on its page: [0, 1]², v up.
+    pub uvs: Vec<UvMap>,
+}
+
+/// Charts beyond which rows are folded rather than shapes nested, which takes tens of times longer.
+const NESTED: usize = 1500;
+
+/// Larger pages are packed at this many texels across: beyond it, finer texels nest no better.
+const FINEST: u32 = 2048;
+
+/// How far (packer's texels) a corner of the packer's answer may be from the similarity.
+const TOLERANCE: f64 = 0.02;
+
+/// Pack charts, each a disk and its map in world units, at one texel density (times its weight).
+/// Several pages are used only where one cannot hold all charts at any density.
+pub fn pack(
+    charts: &[(&Disk, &UvMap)],
+    options: &PackOptions,
+    cancel: &Cancel,
+) -> Result<Atlas, PackError> {
+    let page_size = options.page_size;
+    let weights = weights(charts.len(), options)?;
+    if charts.is_empty() {
+        return Ok(Atlas { pages: 0, page_size, placements: Vec::new(), uvs: Vec::new() });
+    }
+    let extent = |(i, (_, uv)): (usize, &(&Disk, &UvMap))| {
+        let low = uv.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+        let high = uv.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let extent = (high - low).max_element();
+        if extent.is_finite() && extent > 0.0 { Ok(extent) } else { Err(PackError::Degenerate(i)) }
+    };
+    let extents = charts.iter().enumerate().map(extent).collect::<Result<Vec<_>, _>>()?;
+    // The largest chart is about 1 across, whatever the object's size.
+    let unit = extents.iter().copied().fold(0.0, f64::max);
+
+    let mut shapes = Vec::with_capacity(charts.len());
+    for (i, (disk, uv)) in charts.iter().enumerate() {
+        let shape = Shape::of_triangles(disk, uv, unit).or_else(|| Shape::of_rectangle(uv, unit));
+        shapes.push(shape.ok_or(PackError::Degenerate(i))?);
+    }
+    let mut answer = run(&shapes, &weights, options, cancel)?;
+    let changed: Vec<usize> =
+        (0..charts.len()).filter(|&i| answer.placements[i].is_none()).collect();
+    if !changed.is_empty() {
+        for &i in &changed {
+            shapes[i] = Shape::of_rectangle(charts[i].1, unit).ok_or(PackError::Degenerate(i))?;
+        }
+        answer = run(&shapes, &weights, options, cancel)?;
+    }
+    let mut placements = Vec::with_capacity(charts.len());
+    for (i, placement) in answer.placements.iter().enumerate() {
+        placements.push(placement.ok_or(PackError::Changed(i))?);
+    }
+    let on_page = |(placement, (_, uv)): (&Placement, &(&Disk, &UvMap))| {
+        // Rounding may carry a corner across the page's edge by an ulp.
+        uv.iter().map(|&p| placement.apply(p).clamp(DVec2::ZERO, DVec2::ONE)).collect()
+    };
+    let uvs = placements.iter().zip(charts).map(on_page).collect();
+    Ok(Atlas { pages: answer.pages, page_size, placements, uvs })
+}
+
+fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> {
+    let sound = |&w: &f64| w.is_finite() && w > 0.0;
+    match options.weights.len() {
+        0 => Ok(vec![1.0; charts]),
+        n if n == charts && options.weights.iter().all(sound) => Ok(options.weights.clone()),
+        _ => Err(PackError::Weights),
+    }
+}
+
+/// What the packer said, a chart's placement left out where it is no similarity.
+struct Answer {
+    pages: u32,
+    placements: Vec<Option<Placement>>,
+}
+
+fn run(
+    shapes: &[Shape],
+    weights: &[f64],
+    options: &PackOptions,
+    cancel: &Cancel,
+) -> Result<Answer, PackError> {
+    let too_large =
+        PackError::PaddingTooLarge { padding: options.padding, page_size: options.page_size };
+    // A little fewer texels than there are: the packer keeps twice its padding, exactly, and neither
+    // rounding nor the repair of needles may make that less than what was asked for.
+    let finest = options.page_size.min(FINEST);
+    let spare = if options.padding > 0 { finest.div_ceil(512) } else { 0 };
+    let resolution = finest - spare;
+    let texels = f64::from(resolution);
+    let finer = f64::from(options.page_size) / f64::from(finest);
+    let padding = (0.5 * f64::from(options.padding) / finer).ceil() as u32;
+    if resolution <= 2 * padding {
+        return Err(too_large);
+    }
+    let inputs: Vec<MeshInput> = shapes
+        .iter()
+        .zip(weights)
+        .map(|(shape, &weight)| MeshInput {
+            scale: weight as f32,
+            existing_uvs: Some(&shape.uvs),
+            ..MeshInput::new(&shape.positions, &shape.indices)
+        })
+        .collect();
+    let packing = if shapes.len() > NESTED { Packing::Fast } else { Packing::Shape };
+    let how = Options {
+        density: Density::Auto { page_size: resolution },
+        padding,
+        packing,
+        ..Default::default()
+    };
+    let go_on = |_| !cancel.is_canceled();
+    let atlas = uvunwrap::generate_with_progress(&inputs, &how, go_on).map_err(|e| match e {
+        uvunwrap::Error::Cancelled => PackError::Canceled(Canceled),
+        uvunwrap::Error::ChartTooLarge { .. } => too_large,
+        other => PackError::Packer(other),
+    })?;
+    // The packer crops the page and divides by what is left: back to the square page.
+    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height)) / texels;
+    let density = f64::from(atlas.texels_per_unit) / texels;
+    let placement = |((shape, mesh), &weight): ((&Shape, &uvunwrap::OutputMesh), &f64)| {
+        read(shape, mesh, size, density * f64::from(weight as f32), TOLERANCE / texels)
+    };
+    let placements = shapes.iter().zip(&atlas.meshes).zip(weights).map(placement).collect();
+    Ok(Answer { pages: atlas.page_count, placements })
+}
+
+/// The similarity behind the packer's answer for one chart, from the chart's own coordinates;
+/// `None` when it is none.
+fn read(
+    shape: &Shape,
+    mesh: &uvunwrap::OutputMesh,
+    size: DVec2,
+    scale: f64,
+    tolerance: f64,
+) -> Option<Placement> {
+    let (chart, page) = mesh.vertices.first().map(|v| (v.chart, v.page))?;
+    if mesh.vertices.iter().any(|v| v.chart != chart || v.page != page) {
+        return None;
+    }
+    let from: Vec<DVec2> = mesh.vertices.iter().map(|v| shape.point(v.xref)).collect();
+    let to: Vec<DVec2> =
+        mesh.vertices.iter().map(|v| DVec2::from(v.uv.map(f64::from)) * size).collect();
+    let (fit, error) = Placement::fit(page?, scale, &from, &to)?;
+    if error > tolerance {
+        return None;
+    }
+    let scale = fit.scale / shape.unit();
+    let offset = fit.offset - fit.rotation.rotate(shape.low()) * scale;
+    Some(Placement { scale, offset, ..fit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::atlas::{gutters, rasterise};
+    use crate::flatten::{Border, quality, samples};
+    use rand::{RngExt, SeedableRng};
+
+    fn options(page_size: u32, padding: u32) -> PackOptions {
+        PackOptions { page_size, padding, weights: Vec::new() }
+    }
+
+    /// Pack and check what must hold for any charts; returns the atlas and its efficiency.
+    fn check(charts: &[(Disk, UvMap)], options: &PackOptions) -> (Atlas, f64) {
+        let borrowed: Vec<(&Disk, &UvMap)> = charts.iter().map(|(d, u)| (d, u)).collect();
+        let atlas = pack(&borrowed, options, &Cancel::default()).unwrap();
+        let mut triangles = Vec::new();
+        let mut borders = Vec::new();
+        for (i, (disk, uv)) in charts.iter().enumerate() {
+            let (placed, page) = (&atlas.uvs[i], atlas.placements[i].page);
+            assert!(placed.iter().all(|p| p.min_element() >= 0.0 && p.max_element() <= 1.0));
+            // A similarity: no energy is gained or lost.
+            let (before, after) = (quality(disk, uv), quality(disk, placed));
+            assert!((before.optimal - after.optimal).abs() < 1e-9 * before.optimal);
+            triangles.push(disk.triangles.iter().map(|t| t.map(|v| placed[v as usize])).collect());
+            let rings = Border::of(disk).loops;
+            let segments = rings.iter().flat_map(|ring| {
+                (0..ring.len())
+                    .map(|k| [ring[k], ring[(k + 1) % ring.len()]].map(|v| placed[v as usize]))
+            });
+            borders.push((page, segments.collect()));
+        }
+        let on_pages: Vec<(u32, &[[DVec2; 3]])> = triangles
+            .iter()
+            .zip(&atlas.placements)
+            .map(|(t, placement): (&Vec<[DVec2; 3]>, _)| (placement.page, &t[..]))
+            .collect();
+        let coverage = rasterise(&on_pages, atlas.pages, atlas.page_size);
+        assert_eq!(coverage.overlapped, 0);
+        let least = gutters(&borders).into_iter().flatten().fold(f64::INFINITY, f64::min);
+        let least = least * f64::from(atlas.page_size);
+        assert!(least >= f64::from(options.padding), "{least}");
+        (atlas, coverage.efficiency())
+    }
+
+    fn rectangles(count: usize, seed: u64) -> Vec<(Disk, UvMap)> {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        (0..count)
+            .map(|_| {
+                let side = |random: &mut rand_chacha::ChaCha8Rng| {
+                    10f64.powf(random.random_range(-1.5..0.0))
+                };
+                let (width, height) = (side(&mut random), side(&mut random));
+                let (disk, uv) = samples::plane(3, 2, width, height);
+                let turn = DVec2::from_angle(random.random_range(0.0..6.0));
+                (disk, uv.iter().map(|&p| turn.rotate(p)).collect())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn one_square_fills_the_page() {
+        let (atlas, efficiency) = check(&[samples::plane(4, 4, 3.0, 3.0)], &options(256, 0));
+        assert_eq!(atlas.pages, 1);
+        assert!(efficiency > 0.97, "{efficiency}");
+    }
+
+    #[test]
+    fn turned_rectangles_are_packed_tightly_and_apart() {
+        for padding in [0, 1, 2, 5] {
+            let (atlas, efficiency) = check(&rectangles(60, 1), &options(512, padding));
+            let scales: Vec<f64> = atlas.placements.iter().map(|p| p.scale).collect();
+            assert!(scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-9), "one density");
+            assert!(efficiency > 0.6, "{padding} {efficiency}");
+        }
+    }
+
+    #[test]
+    fn weights_scale_the_density() {
+        let charts = rectangles(3, 2);
+        let weighted = PackOptions { weights: vec![1.0, 2.0, 0.5], ..options(256, 2) };
+        let (atlas, _) = check(&charts, &weighted);
+        let scale = |i: usize| atlas.placements[i].scale;
+        assert!(
+            (scale(1) / scale(0) - 2.0).abs() < 1e-9 && (scale(2) / scale(0) - 0.5).abs() < 1e-9
+        );
+    }
+
+    #[test]
+    fn thousands_of_tiny_charts_fit() {
+        let charts: Vec<(Disk, UvMap)> =
+            (0..4000).map(|i| samples::plane(1, 1, 1.0 + 0.001 * f64::from(i % 7), 0.5)).collect();
+        let (atlas, _) = check(&charts, &options(1024, 2));
+        assert_eq!(atlas.pages, 1);
+    }
+
+    #[test]
+    fn a_long_strip_and_slivers_are_no_trouble() {
+        let mut charts = rectangles(5, 3);
+        charts.push(samples::plane(200, 1, 200.0, 0.01));
+        // Too thin to survive single precision; a chart with a needle in its middle.
+        charts.push(samples::plane(1, 1, 1.0, 1e-9));
+        let (flat, _) = samples::plane(2, 1, 1.0, 1.0);
+        let mut positions = flat.positions.clone();
+        positions[1].x = 1e-9;
+        positions[4].x = 1e-9;
+        let needle = Disk::new(positions, flat.triangles);
+        let uv = needle.positions.iter().map(|p| p.truncate()).collect();
+        charts.push((needle, uv));
+        check(&charts, &options(1024, 2));
+    }
+
+    #[test]
+    fn the_same_charts_give_the_same_atlas() {
+        let charts = rectangles(40, 4);
+        assert_eq!(check(&charts, &options(512, 2)).0, check(&charts, &options(512, 2)).0);
+    }
+
+    #[test]
+    fn a_large_page_keeps_its_gutter() {
+        check(&rectangles(10, 5), &options(8192, 3));
+    }
+
+    #[test]
+    fn what_cannot_be_packed_is_an_error() {
+        let square = samples::plane(1, 1, 1.0, 1.0);
+        let one =
+            |options: &PackOptions| pack(&[(&square.0, &square.1)], options, &Cancel::default());
+        let tight = PackError::PaddingTooLarge { padding: 64, page_size: 64 };
+        assert_eq!(one(&options(64, 64)), Err(tight));
+        let wrong = PackOptions { weights: vec![1.0, 1.0], ..options(64, 1) };
+        assert_eq!(one(&wrong), Err(PackError::Weights));
+        let point = vec![DVec2::ONE; 4];
+        let degenerate = pack(&[(&square.0, &point)], &options(64, 1), &Cancel::default());
+        assert_eq!(degenerate, Err(PackError::Degenerate(0)));
+        assert_eq!(pack(&[], &options(64, 1), &Cancel::default()).unwrap().pages, 0);
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let stopped = pack(&[(&square.0, &square.1)], &options(64, 1), &cancel);
+        assert_eq!(stopped, Err(PackError::Canceled(Canceled)));
+    }
+}
