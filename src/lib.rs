@@ -20,3 +20,5 @@ pub mod segmentation;
 pub mod charts;
 pub mod parameterization;
 pub mod atlas;
+pub mod metrics;
+pub mod preview;

@@ -1,0 +1,26 @@
+//! The figures of `metrics.json`, one file a family; docs/metrics.md defines each in prose. All are
+//! taken on the exported coordinates: what is measured is what ships.
+
+mod alignment;
+mod avoidable;
+mod consistency;
+mod contact;
+mod distortion;
+mod edges;
+mod figures;
+#[cfg(test)]
+pub(crate) mod fixtures;
+mod levels;
+mod packing;
+mod paper;
+mod partuv;
+mod seams;
+mod statistics;
+mod stretch;
+#[cfg(test)]
+mod tests;
+
+pub use edges::EdgeTable;
+pub use figures::{Measured, MeasuredFigures, measure};
+pub use packing::packing_efficiency;
+pub use stretch::FaceMap;

@@ -1,0 +1,57 @@
+//! The UV layout as a panel of the preview, drawn as the texture looks (v down).
+
+use glam::{Vec2, Vec3};
+
+use super::canvas::Canvas;
+use super::lines::LineMask;
+use super::palette::{linear, part_color};
+use crate::metrics::{EdgeTable, Measured};
+
+/// With more faces their edges would only make the panel grey.
+const MOST_FACES: usize = 6_000;
+
+/// Draws the page onto a square canvas, `margin` pixels from its sides. Lines are `unit` pixels wide.
+pub(super) fn draw_layout(
+    canvas: &mut Canvas,
+    input: &Measured,
+    edges: &EdgeTable,
+    margin: f32,
+    unit: f32,
+) {
+    let side = canvas.width as f32 - 2.0 * margin;
+    let place = |[u, v]: [f32; 2]| Vec2::new(margin + u * side, margin + (1.0 - v) * side);
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
+    for half in [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]] {
+        canvas.fill(half, Vec3::ONE);
+    }
+    for f in 0..input.uvs.len() {
+        if input.face_map(f).is_some() {
+            let hue = linear(part_color(input.part_of[f]));
+            canvas.fill(input.uvs[f].map(place), Vec3::ONE.lerp(hue, 0.78));
+        }
+    }
+    let segment = |h: u32| {
+        let (f, k) = (h as usize / 3, h as usize % 3);
+        (place(input.uvs[f][k]), place(input.uvs[f][(k + 1) % 3]))
+    };
+    let (width, height) = (canvas.width, canvas.height);
+    if input.surface.face_count() <= MOST_FACES {
+        let mut mask = LineMask::new(width, height);
+        for h in edges.all_half_edges() {
+            let (a, b) = segment(*h);
+            mask.draw(a, b, 0.25 * unit, |_, _| true);
+        }
+        canvas.lay(&mask.scaled(0.35), Vec3::ONE);
+    }
+    let mut mask = LineMask::new(width, height);
+    for h in (0..edges.len()).flat_map(|e| edges.rim(e)) {
+        let (a, b) = segment(h);
+        mask.draw(a, b, 0.9 * unit, |_, _| true);
+    }
+    canvas.lay(&mask.scaled(0.75), linear([0x26, 0x2a, 0x33]));
+    let mut frame = LineMask::new(width, height);
+    for i in 0..4 {
+        frame.draw(corners[i], corners[(i + 1) % 4], unit, |_, _| true);
+    }
+    canvas.lay(&frame.scaled(0.8), linear([0xa8, 0xae, 0xb8]));
+}

@@ -1,0 +1,21 @@
+//! The two pictures of a result: the UV layout as SVG, and one PNG that shows a checker on the shaded
+//! object, its parts and its layout, drawn on the CPU. Same input, same bytes.
+
+mod camera;
+mod canvas;
+mod checker;
+mod layout;
+mod lines;
+mod occlusion;
+mod outline;
+mod palette;
+mod picture;
+mod raster;
+mod shade;
+mod svg;
+#[cfg(test)]
+mod tests;
+
+pub use palette::part_color;
+pub use picture::{PreviewError, preview_png};
+pub use svg::uv_layout_svg;

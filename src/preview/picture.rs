@@ -1,0 +1,110 @@
+//! `preview.png`: on the left a checker on the shaded object with its seams, at the top right the
+//! object by parts, below it the UV layout.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::canvas::Canvas;
+use super::checker::{Tint, squares};
+use super::layout::draw_layout;
+use super::palette::{encode, linear, part_color};
+use super::shade::{FACTOR, Line, View};
+use crate::contract::{Cancel, Canceled, Run};
+use crate::mesh::NONE;
+use crate::metrics::{EdgeTable, Measured};
+
+/// Width and height of the large panel; the small ones are half of it.
+const LARGE: usize = 768;
+const SMALL: usize = LARGE / 2;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PreviewError {
+    /// The run was asked to stop.
+    #[error(transparent)]
+    Canceled(#[from] Canceled),
+    /// The picture could not be written.
+    #[error("the preview could not be encoded: {0}")]
+    Encoding(#[from] png::EncodingError),
+}
+
+/// Draws the preview: 1152 × 768 pixels, PNG.
+pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError> {
+    let cancel = &run.cancel;
+    let edges = EdgeTable::new(input, |f| input.face_map(f as usize).is_some(), cancel)?;
+    let mut page = Canvas::gradient(LARGE + SMALL, LARGE, Vec3::ONE, Vec3::ONE);
+    page.paste_smaller(&checker_panel(input, &edges, cancel)?, FACTOR, 0, 0);
+    page.paste_smaller(&parts_panel(input, &edges, cancel)?, FACTOR, LARGE, 0);
+    cancel.check()?;
+    page.paste_smaller(&layout_panel(input, &edges), FACTOR, LARGE, SMALL);
+    for y in 0..LARGE {
+        page.pixels[y * page.width + LARGE] = linear(RULE);
+    }
+    for x in LARGE..LARGE + SMALL {
+        page.pixels[SMALL * page.width + x] = linear(RULE);
+    }
+    cancel.check()?;
+    Ok(encode_png(&page)?)
+}
+
+/// Lines between panels.
+const RULE: [u8; 3] = [0xc2, 0xc8, 0xd0];
+
+fn background(size: usize) -> Canvas {
+    let (top, bottom) = (linear([0xee, 0xf1, 0xf5]), linear([0xcd, 0xd4, 0xdd]));
+    Canvas::gradient(size * FACTOR, size * FACTOR, top, bottom)
+}
+
+fn checker_panel(input: &Measured, edges: &EdgeTable, cancel: &Cancel) -> Result<Canvas, Canceled> {
+    let mut canvas = background(LARGE);
+    let Some(view) = View::new(input.surface, LARGE, cancel)? else { return Ok(canvas) };
+    let across = squares(input);
+    // The tint of a face, and how many squares fit into a world unit on it.
+    let faces: Vec<Option<(Tint, f32)>> = (0..input.uvs.len())
+        .map(|f| {
+            let map = input.face_map(f)?;
+            let density = (map.uv_area.abs() / map.area).sqrt() as f32;
+            Some((Tint::new(input.part_of[f], input.chart_of[f]), across * density))
+        })
+        .collect();
+    let bare = linear(part_color(NONE));
+    view.paint(&mut canvas, |face, shares, pixels| {
+        let Some((tint, density)) = &faces[face as usize] else { return bare };
+        let [a, b, c] = input.uvs[face as usize];
+        let at = |i: usize| across * (a[i] * shares[0] + b[i] * shares[1] + c[i] * shares[2]);
+        tint.at([at(0), at(1)], pixels / density)
+    });
+    let seams = Line { color: [0xb0, 0x10, 0x28], thick: 0.9, strength: 0.9 };
+    view.draw_edges(&mut canvas, edges, &seams, |e| edges.cuts[e] > 0);
+    Ok(canvas)
+}
+
+fn parts_panel(input: &Measured, edges: &EdgeTable, cancel: &Cancel) -> Result<Canvas, Canceled> {
+    let mut canvas = background(SMALL);
+    let Some(view) = View::new(input.surface, SMALL, cancel)? else { return Ok(canvas) };
+    let colors: Vec<Vec3> = input.part_of.iter().map(|p| linear(part_color(*p))).collect();
+    let brighter = |c: Vec3| c.lerp(Vec3::ONE, 0.12);
+    view.paint(&mut canvas, |face, _, _| brighter(colors[face as usize]));
+    let line = Line { color: [0x20, 0x22, 0x28], thick: 0.5, strength: 0.55 };
+    view.draw_edges(&mut canvas, edges, &line, |e| edges.cuts[e] > 0);
+    Ok(canvas)
+}
+
+fn layout_panel(input: &Measured, edges: &EdgeTable) -> Canvas {
+    let mut canvas = background(SMALL);
+    draw_layout(&mut canvas, input, edges, (12 * FACTOR) as f32, FACTOR as f32);
+    canvas
+}
+
+fn encode_png(page: &Canvas) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, page.width as u32, page.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    let colors: Vec<[u8; 3]> = page.pixels.par_iter().map(|p| encode(*p)).collect();
+    writer.write_image_data(colors.as_flattened())?;
+    writer.finish()?;
+    Ok(bytes)
+}
