@@ -22,3 +22,4 @@ pub mod parameterization;
 pub mod atlas;
 pub mod metrics;
 pub mod preview;
+pub mod pipeline;

@@ -1,0 +1,92 @@
+//! From charts to faces: what each corner of the file gets. Faces of a shared sheet carry their
+//! mate's coordinates; faces without area lie along their neighbour's edge, so that they are in its
+//! chart and cover nothing.
+
+use std::collections::HashMap;
+
+use super::finish::Finished;
+use super::parts::Found;
+use super::sheets::mate_corner;
+use crate::atlas::GRID;
+use crate::mesh::NONE;
+
+/// Coordinates and chart of each face.
+pub struct Faces {
+    /// Final coordinates of the corners in the surface's winding, v up; NaN for faces in no chart.
+    pub uvs: Vec<[[f32; 2]; 3]>,
+    /// The same in file winding, finite for every face.
+    pub file: Vec<[[f32; 2]; 3]>,
+    /// Chart of each face, or [`NONE`].
+    pub chart_of: Vec<u32>,
+}
+
+/// Collect the faces.
+pub fn collect(found: &Found, finished: &Finished) -> Faces {
+    let surface = &found.surface;
+    let count = surface.face_count();
+    let mut uvs = vec![[[f32::NAN; 2]; 3]; count];
+    let mut chart_of = vec![NONE; count];
+    for (c, (mapped, uv)) in finished.charts.iter().zip(&finished.uvs).enumerate() {
+        for (&f, triangle) in mapped.chart.faces.iter().zip(&mapped.chart.disk.triangles) {
+            chart_of[f as usize] = c as u32;
+            uvs[f as usize] = triangle.map(|v| uv[v as usize].as_vec2().to_array());
+        }
+    }
+    let mut shipped = uvs.clone();
+    for (f, &source) in found.sources.iter().enumerate().filter(|(f, s)| **s != *f as u32) {
+        let source = source as usize;
+        shipped[f] = [0, 1, 2].map(|k| uvs[source][mate_corner(surface, f, source, k)]);
+    }
+    lay_down_flat_faces(found, &mut shipped);
+    let file = (0..count)
+        .map(|f| {
+            let mut corners = [[0.0; 2]; 3];
+            (0..3).for_each(|k| corners[surface.file_corner(f, k)] = shipped[f][k]);
+            corners
+        })
+        .collect();
+    Faces { uvs, file, chart_of }
+}
+
+/// Give faces that have no coordinates yet a place without area.
+fn lay_down_flat_faces(found: &Found, uvs: &mut [[[f32; 2]; 3]]) {
+    let surface = &found.surface;
+    let missing: Vec<usize> = (0..uvs.len()).filter(|&f| uvs[f][0][0].is_nan()).collect();
+    if missing.is_empty() {
+        return;
+    }
+    let mut edges: HashMap<(u32, u32), ([f32; 2], [f32; 2])> = HashMap::new();
+    let mut vertices: HashMap<u32, [f32; 2]> = HashMap::new();
+    for (f, t) in surface.triangles.iter().enumerate().filter(|(f, _)| !uvs[*f][0][0].is_nan()) {
+        for k in 0..3 {
+            let next = (k + 1) % 3;
+            edges.entry((t[next], t[k])).or_insert((uvs[f][next], uvs[f][k]));
+            vertices.entry(t[k]).or_insert(uvs[f][k]);
+        }
+    }
+    for f in missing {
+        let t = surface.triangles[f];
+        let position = |k: usize| surface.positions[t[k] as usize];
+        let length = |k: usize| position(k).distance(position((k + 1) % 3));
+        let longest = (0..3).max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(0);
+        let (b, c) = ((longest + 1) % 3, (longest + 2) % 3);
+        let either = edges.get(&(t[longest], t[b])).copied();
+        let either = either.or_else(|| edges.get(&(t[b], t[longest])).map(|&(p, q)| (q, p)));
+        uvs[f] = match either.filter(|_| length(longest) > 0.0) {
+            Some((p, q)) => {
+                let along = position(b) - position(longest);
+                let share = (position(c) - position(longest)).dot(along) / along.length_squared();
+                let share = share.clamp(0.0, 1.0);
+                // On the lattice, as every other coordinate.
+                let mix = |i: usize| {
+                    let x = f64::from(p[i]) + share * (f64::from(q[i]) - f64::from(p[i]));
+                    ((x / GRID).round() * GRID) as f32
+                };
+                let mut corners = [[0.0; 2]; 3];
+                (corners[longest], corners[b], corners[c]) = (p, q, [mix(0), mix(1)]);
+                corners
+            }
+            None => [t.iter().find_map(|v| vertices.get(v)).copied().unwrap_or([0.0; 2]); 3],
+        };
+    }
+}

@@ -1,0 +1,112 @@
+//! The stages in order, and every loop that goes back, since only this module sees both ends: a
+//! chart that fails its certificate is divided and goes round again. A pure library: it knows no
+//! HTTP and no database. The command line, the worker, the benchmarks and the tests call it.
+
+mod charting;
+mod clock;
+mod error;
+mod extras;
+mod faces;
+mod finish;
+mod maps;
+mod neural;
+mod parts;
+mod report;
+mod result;
+mod sheets;
+
+pub use error::UnwrapError;
+pub use result::{Artifact, Unwrapped};
+
+use crate::contract::{Limits, MeshKind, Run, Stage, StopAfter, UnwrapOptions};
+use crate::device::Device;
+use crate::mesh::{self, Scene};
+use crate::segmentation::PartLabels;
+use clock::Clock;
+
+/// A mesh as it was uploaded.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a> {
+    /// The file.
+    pub bytes: &'a [u8],
+    /// What kind of file.
+    pub kind: MeshKind,
+    /// Part labels given beside it: one integer a line, line i for face i, −1 unknown.
+    pub labels: Option<&'a [u8]>,
+}
+
+/// Import and unwrap.
+pub fn unwrap_input(
+    input: &Input,
+    options: &UnwrapOptions,
+    limits: &Limits,
+    device: &Device,
+    run: &Run,
+) -> Result<Unwrapped, UnwrapError> {
+    let mut clock = Clock::new();
+    let scene = import(input, limits, run, &mut clock)?;
+    unwrap_scene(&scene, options, device, run, clock)
+}
+
+/// Unwrap a scene.
+pub fn unwrap(
+    scene: &Scene,
+    options: &UnwrapOptions,
+    device: &Device,
+    run: &Run,
+) -> Result<Unwrapped, UnwrapError> {
+    unwrap_scene(scene, options, device, run, Clock::new())
+}
+
+/// Import and find the parts: one part a face.
+pub fn segment_input(
+    input: &Input,
+    options: &UnwrapOptions,
+    limits: &Limits,
+    run: &Run,
+) -> Result<PartLabels, UnwrapError> {
+    let mut clock = Clock::new();
+    let scene = import(input, limits, run, &mut clock)?;
+    Ok(parts::find(&scene, options, run, &mut clock)?.parts)
+}
+
+fn import(
+    input: &Input,
+    limits: &Limits,
+    run: &Run,
+    clock: &mut Clock,
+) -> Result<Scene, UnwrapError> {
+    clock.stage(Stage::Import, run)?;
+    let mut scene = mesh::import(input.bytes, input.kind, limits)?;
+    if let Some(labels) = input.labels {
+        let labels = mesh::import::parse_labels(labels, scene.face_count());
+        scene.labels = Some(labels.map_err(UnwrapError::Labels)?);
+    }
+    for (code, message) in &scene.warnings {
+        run.warn(code, message.clone());
+    }
+    Ok(scene)
+}
+
+fn unwrap_scene(
+    scene: &Scene,
+    options: &UnwrapOptions,
+    device: &Device,
+    run: &Run,
+    mut clock: Clock,
+) -> Result<Unwrapped, UnwrapError> {
+    parts::check_memory(scene, options)?;
+    let found = parts::find(scene, options, run, &mut clock)?;
+    if options.stop_after == Some(StopAfter::Segmentation) {
+        return report::segmentation_only(&found, device, run, clock);
+    }
+    let charts = charting::charts(&found, options, run, &mut clock)?;
+    let untrained = options.stop_after == Some(StopAfter::Charts);
+    let mapped = if untrained {
+        maps::untrained(charts)
+    } else {
+        maps::trained(&found, charts, options, device, run, &mut clock)?
+    };
+    let finished = finish::pack_and_certify(&found, mapped, options, run, &mut clock)?;
+    report::whole(scene, &found, &finished, options, device, run, clock)
+}

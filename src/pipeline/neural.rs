@@ -1,0 +1,114 @@
+//! Which charts are trained, and what their networks are told (pipeline 5).
+//!
+//! Training takes at most [`SHARE`] of a job's expected time. That time is counted from the work
+//! (faces), never from the clock, so that the same input gives the same result.
+
+use glam::DVec3;
+
+use super::parts::Found;
+use crate::charts::boundary::BoundaryFeatures;
+use crate::charts::{Chart, ChartShape};
+use crate::contract::{Quality, UnwrapOptions};
+use crate::flatten;
+use crate::parameterization::TrainChart;
+use crate::parameterization::losses::CylinderTarget;
+
+/// Share of a job's expected time that training may take with `quality = balanced`.
+const SHARE: f64 = 0.35;
+/// Expected seconds of a job, apart from its faces.
+const JOB_S: f64 = 1.5;
+/// Expected seconds of a job for each face, up to [`JOB_FACES`].
+const FACE_S: f64 = 1.0e-3;
+/// Faces beyond this do not buy more training.
+const JOB_FACES: usize = 8_000;
+/// Seconds of one training step of one chart, for each point and unit of width (measured: 8 charts
+/// of 512 points and width 64 in 25 ms).
+const STEP_S: f64 = 0.025 / (8.0 * 512.0 * 64.0);
+
+/// Which charts to train, best first. Charts whose start is isometric are never among them.
+pub fn choose(charts: &[Chart], options: &UnwrapOptions) -> Vec<usize> {
+    if options.quality == Quality::Fast {
+        return Vec::new();
+    }
+    // Expected gain: what distortion there is, times the area that has it.
+    let mut ranked: Vec<(f64, usize)> = Vec::new();
+    for (i, chart) in charts.iter().enumerate() {
+        let quality = flatten::quality(&chart.disk, &chart.start);
+        if !quality.is_isometric() {
+            ranked.push((chart.disk.area() * (quality.mean - 1.0), i));
+        }
+    }
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    if options.quality == Quality::Best {
+        return ranked.into_iter().map(|(_, i)| i).collect();
+    }
+    let faces: usize = charts.iter().map(|c| c.faces.len()).sum();
+    let expected = JOB_S + FACE_S * faces.min(JOB_FACES) as f64;
+    let mut allowance = expected * SHARE / (1.0 - SHARE);
+    let mut chosen = Vec::new();
+    for (_, i) in ranked {
+        let points = charts[i].disk.positions.len().min(options.points as usize);
+        let cost = STEP_S * f64::from(options.steps) * (points as f64) * f64::from(options.width);
+        // The best-paying chart is trained whatever it costs: the cap is for the others.
+        if cost <= allowance || chosen.is_empty() {
+            allowance -= cost;
+            chosen.push(i);
+        }
+    }
+    chosen
+}
+
+/// What the networks of the chosen charts are told.
+pub fn inputs<'a>(found: &Found, charts: &'a [Chart], chosen: &[usize]) -> Vec<TrainChart<'a>> {
+    if chosen.is_empty() {
+        return Vec::new();
+    }
+    let labels: Vec<u32> =
+        found.cloud.faces.iter().map(|&f| found.parts.labels[f as usize]).collect();
+    let features = BoundaryFeatures::new(&found.cloud, &labels);
+    let creased = creased_vertices(found);
+    chosen.iter().map(|&i| input(&charts[i], &features, &creased)).collect()
+}
+
+fn input<'a>(chart: &'a Chart, features: &BoundaryFeatures, creased: &[bool]) -> TrainChart<'a> {
+    let disk = &chart.disk;
+    let mut normals = vec![DVec3::ZERO; disk.positions.len()];
+    for triangle in &disk.triangles {
+        let [a, b, c] = triangle.map(|v| disk.positions[v as usize]);
+        let normal = (b - a).cross(c - a);
+        triangle.iter().for_each(|&v| normals[v as usize] += normal);
+    }
+    let (rho, boundary) = features.at(&disk.positions);
+    let crease = |&v: &u32| if creased[v as usize] { 1.0 } else { 0.0 };
+    let cylinder = match chart.shape {
+        ChartShape::General => None,
+        ChartShape::Tubular { origin, axis, radius, taper } => {
+            Some(CylinderTarget::new(disk, origin, axis, radius, taper))
+        }
+    };
+    TrainChart {
+        disk,
+        start: &chart.start,
+        normals: normals.into_iter().map(DVec3::normalize_or_zero).collect(),
+        rho,
+        boundary,
+        crease: chart.vertices.iter().map(crease).collect(),
+        cylinder,
+        over_cut: None,
+        // The first face: it stays the same whatever happens to other charts.
+        id: chart.faces.first().map_or(0, |&f| u64::from(f)),
+    }
+}
+
+/// Which vertices of the surface lie on a salient edge.
+fn creased_vertices(found: &Found) -> Vec<bool> {
+    let surface = &found.surface;
+    let mut creased = vec![false; surface.positions.len()];
+    for h in 0..surface.twin.len() as u32 {
+        if surface.is_crease(h) {
+            creased[surface.from(h) as usize] = true;
+            creased[surface.to(h) as usize] = true;
+        }
+    }
+    creased
+}
