@@ -23,3 +23,4 @@ pub mod atlas;
 pub mod metrics;
 pub mod preview;
 pub mod pipeline;
+pub mod synth;

@@ -1,0 +1,309 @@
+//! Closed solids from rings and from grids. Every constructor returns a closed manifold that is
+//! wound outwards.
+
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
+
+/// Resolution: how many times finer than the plainest form of an object.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detail(pub f64);
+
+impl Detail {
+    /// `base` segments at resolution 1, at least `least`.
+    pub fn of(self, base: f64, least: usize) -> usize {
+        ((base * self.0).round() as usize).max(least)
+    }
+}
+
+/// A closed triangle mesh.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Solid {
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Solid {
+    fn vertex(&mut self, p: DVec3) -> u32 {
+        self.positions.push(p);
+        self.positions.len() as u32 - 1
+    }
+
+    fn at(&self, i: u32) -> DVec3 {
+        self.positions[i as usize]
+    }
+
+    /// A quad, split along the diagonal that leaves the larger smallest angle.
+    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+        let p = |i| self.at(i);
+        let ac = smallest_angle(p(a), p(b), p(c)).min(smallest_angle(p(a), p(c), p(d)));
+        let bd = smallest_angle(p(a), p(b), p(d)).min(smallest_angle(p(b), p(c), p(d)));
+        if bd > ac + 1e-9 {
+            self.triangles.extend([[a, b, d], [b, c, d]]);
+        } else {
+            self.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+
+    /// Six times the signed volume; positive when wound outwards.
+    fn volume6(&self) -> f64 {
+        self.triangles.iter().map(|t| t.map(|v| self.at(v))).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+    }
+
+    fn wound_outwards(mut self) -> Self {
+        if self.volume6() < 0.0 {
+            for t in &mut self.triangles {
+                t.swap(1, 2);
+            }
+        }
+        self
+    }
+
+    /// Every position moved by `f`, which must keep the hand.
+    pub fn map(mut self, f: impl Fn(DVec3) -> DVec3) -> Self {
+        for p in &mut self.positions {
+            *p = f(*p);
+        }
+        self
+    }
+
+    /// Moved.
+    pub fn shifted(self, by: DVec3) -> Self {
+        self.map(|p| p + by)
+    }
+
+    /// Turned so that the local y axis runs from `from` towards `to`, with the origin at `from`.
+    pub fn along(self, from: DVec3, to: DVec3) -> Self {
+        let turn = DQuat::from_rotation_arc(DVec3::Y, (to - from).normalize_or(DVec3::Y));
+        self.map(|p| from + turn * p)
+    }
+}
+
+/// The smallest angle of a triangle, radians.
+pub(super) fn smallest_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let angle = |p: DVec3, q: DVec3, r: DVec3| (q - p).angle_between(r - p);
+    angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b))
+}
+
+/// The surface through a sequence of rings with the same number of points, each turning
+/// counter-clockwise about the way of travel. A ring of one point is a pole; an end that is no pole
+/// gets a flat cap.
+pub(super) fn skin(rings: &[Vec<DVec3>]) -> Solid {
+    let mut s = Solid::default();
+    let ids: Vec<Vec<u32>> =
+        rings.iter().map(|r| r.iter().map(|&p| s.vertex(p)).collect()).collect();
+    for pair in ids.windows(2) {
+        let (a, b) = (&pair[0], &pair[1]);
+        let n = a.len().max(b.len());
+        for j in 0..n {
+            let k = (j + 1) % n;
+            match (a.len(), b.len()) {
+                (1, _) => s.triangles.push([a[0], b[k], b[j]]),
+                (_, 1) => s.triangles.push([a[j], a[k], b[0]]),
+                _ => s.quad([a[j], a[k], b[k], b[j]]),
+            }
+        }
+    }
+    for (end, first) in [(ids.first(), true), (ids.last(), false)] {
+        let Some(ring) = end.filter(|r| r.len() > 1) else { continue };
+        let middle = ring.iter().map(|&v| s.at(v)).sum::<DVec3>() / ring.len() as f64;
+        let centre = s.vertex(middle);
+        for j in 0..ring.len() {
+            let (p, q) = (ring[j], ring[(j + 1) % ring.len()]);
+            s.triangles.push(if first { [centre, q, p] } else { [centre, p, q] });
+        }
+    }
+    s.wound_outwards()
+}
+
+/// A surface of revolution about the y axis: `profile` is (radius, height) with heights that do not
+/// fall. A radius of 0 is a pole.
+pub(super) fn lathe(profile: &[DVec2], sides: usize) -> Solid {
+    let ring = |p: &DVec2| {
+        if p.x < 1e-9 {
+            return vec![DVec3::new(0.0, p.y, 0.0)];
+        }
+        let point = |j: usize| {
+            let (sin, cos) = (TAU * j as f64 / sides as f64).sin_cos();
+            DVec3::new(p.x * cos, p.y, -p.x * sin)
+        };
+        (0..sides).map(point).collect()
+    };
+    skin(&profile.iter().map(ring).collect::<Vec<_>>())
+}
+
+/// A cylinder on the y axis from height 0, its rims bevelled by `bevel` (0: sharp), with `segments`
+/// along its side.
+pub(super) fn cylinder(
+    radius: f64,
+    height: f64,
+    bevel: f64,
+    sides: usize,
+    segments: usize,
+) -> Solid {
+    let mut profile = Vec::new();
+    if bevel > 0.0 {
+        profile.push(DVec2::new(radius - bevel, 0.0));
+    }
+    for i in 0..=segments {
+        let t = i as f64 / segments as f64;
+        profile.push(DVec2::new(radius, bevel + t * (height - 2.0 * bevel)));
+    }
+    if bevel > 0.0 {
+        profile.push(DVec2::new(radius - bevel, height));
+    }
+    lathe(&profile, sides)
+}
+
+/// Where the side of a slab runs: `rise` from the bottom (0) to the top (1), `out` away from the
+/// outline, world units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rim {
+    pub rise: f64,
+    pub out: f64,
+}
+
+/// A solid between two surfaces over the square [−1, 1]², with a side made of the rims, which are
+/// given from the bottom upwards.
+pub(super) fn slab(
+    cells: [usize; 2],
+    top: impl Fn(f64, f64) -> DVec3,
+    bottom: impl Fn(f64, f64) -> DVec3,
+    rims: &[Rim],
+) -> Solid {
+    let [nu, nv] = cells;
+    let mut s = Solid::default();
+    let mut sheet = |f: &dyn Fn(f64, f64) -> DVec3| -> Vec<u32> {
+        let place = |i: usize, n: usize| 2.0 * i as f64 / n as f64 - 1.0;
+        let points = (0..=nv).flat_map(|j| (0..=nu).map(move |i| (i, j)));
+        points.map(|(i, j)| s.vertex(f(place(i, nu), place(j, nv)))).collect()
+    };
+    let (low, high) = (sheet(&bottom), sheet(&top));
+    let id = |i: usize, j: usize| j * (nu + 1) + i;
+    for j in 0..nv {
+        for i in 0..nu {
+            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            s.quad(corners.map(|c| high[c]));
+            let [a, b, c, d] = corners.map(|c| low[c]);
+            s.quad([a, d, c, b]);
+        }
+    }
+    // The outline, counter-clockwise over (u, v).
+    let outline: Vec<usize> = (0..nu)
+        .map(|i| id(i, 0))
+        .chain((0..nv).map(|j| id(nu, j)))
+        .chain((0..nu).map(|i| id(nu - i, nv)))
+        .chain((0..nv).map(|j| id(0, nv - j)))
+        .collect();
+    let ring = |ids: &[u32]| outline.iter().map(|&c| ids[c]).collect::<Vec<_>>();
+    let (foot, head) = (ring(&low), ring(&high));
+    let mut rings = vec![foot.clone()];
+    for rim in rims {
+        let line: Vec<DVec3> =
+            foot.iter().zip(&head).map(|(&f, &h)| s.at(f).lerp(s.at(h), rim.rise)).collect();
+        let n = line.len();
+        // The lattice may be of either hand: twice the area that the outline encloses tells.
+        let up = |j: usize| (s.at(head[j]) - s.at(foot[j])).normalize_or(DVec3::Y);
+        let turn: f64 = (0..n)
+            .map(|j| (line[j] - line[0]).cross(line[(j + 1) % n] - line[0]).dot(up(j)))
+            .sum();
+        let out = rim.out * turn.signum();
+        let points: Vec<DVec3> = (0..n)
+            .map(|j| {
+                line[j] + out * miter(line[(j + n - 1) % n], line[j], line[(j + 1) % n], up(j))
+            })
+            .collect();
+        rings.push(points.into_iter().map(|p| s.vertex(p)).collect());
+    }
+    rings.push(head);
+    for pair in rings.windows(2) {
+        for j in 0..outline.len() {
+            let k = (j + 1) % outline.len();
+            s.quad([pair[0][j], pair[0][k], pair[1][k], pair[1][j]]);
+        }
+    }
+    s.wound_outwards()
+}
+
+/// The way out of a counter-clockwise outline at `p`, so long that both of its edges move by 1.
+fn miter(before: DVec3, p: DVec3, after: DVec3, up: DVec3) -> DVec3 {
+    let a = (p - before).cross(up).normalize_or_zero();
+    let b = (after - p).cross(up).normalize_or_zero();
+    (a + b) / (1.0 + a.dot(b)).max(0.2)
+}
+
+/// A box with the given half sizes and bevelled edges, its faces in `cells` along x, y and z.
+pub(super) fn bevelled_box(half: DVec3, bevel: f64, cells: [usize; 3]) -> Solid {
+    let inner = half - DVec3::splat(bevel);
+    let sheet = |y: f64| move |u: f64, v: f64| DVec3::new(u * inner.x, y, -v * inner.z);
+    let share = bevel / (2.0 * half.y);
+    let rims: Vec<Rim> = (0..=cells[1])
+        .map(|k| {
+            let t = k as f64 / cells[1] as f64;
+            Rim { rise: share + t * (1.0 - 2.0 * share), out: bevel }
+        })
+        .collect();
+    slab([cells[0], cells[2]], sheet(half.y), sheet(-half.y), &rims)
+}
+
+/// A tube along a path. `radius` is given at the share of the path's points (0 to 1); frames are
+/// carried along without twist.
+pub(super) fn tube(path: &[DVec3], radius: impl Fn(f64) -> f64, sides: usize) -> Solid {
+    let last = path.len() - 1;
+    let tangent =
+        |i: usize| (path[(i + 1).min(last)] - path[i.saturating_sub(1)]).normalize_or(DVec3::Y);
+    let mut frame = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Y, tangent(0)));
+    let mut rings = Vec::with_capacity(path.len());
+    for (i, &centre) in path.iter().enumerate() {
+        let turn = DQuat::from_rotation_arc(frame.y_axis.normalize(), tangent(i));
+        frame = DMat3::from_quat(turn) * frame;
+        let r = radius(i as f64 / last as f64);
+        let point = |j: usize| {
+            let (sin, cos) = (TAU * j as f64 / sides as f64).sin_cos();
+            centre + r * (cos * frame.x_axis - sin * frame.z_axis)
+        };
+        rings.push((0..sides).map(point).collect());
+    }
+    skin(&rings)
+}
+
+/// The square [−1, 1]² pressed into the superellipse |x|ᵖ + |y|ᵖ ≤ 1, less and less towards the
+/// middle. `power` 2 is a disk, ∞ the square.
+pub(super) fn squircle(u: f64, v: f64, power: f64) -> DVec2 {
+    let m = u.abs().max(v.abs());
+    if m < 1e-12 {
+        return DVec2::ZERO;
+    }
+    let full = ((u / m).abs().powf(power) + (v / m).abs().powf(power)).powf(-1.0 / power);
+    DVec2::new(u, v) * (1.0 + (full - 1.0) * m * m)
+}
+
+/// A lattice over a rectangle with round corners: the square [−1, 1]² in `cells`, of which each
+/// corner takes enough to be round.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoundedRectangle {
+    /// Half sizes along x and z.
+    pub half: DVec2,
+    pub radius: f64,
+    pub cells: [usize; 2],
+}
+
+impl RoundedRectangle {
+    /// Where a point of the square lies.
+    pub fn at(&self, u: f64, v: f64) -> DVec2 {
+        let r = self.radius;
+        // Distance into the corner zone (0 to 1; negative outside) and the straight part.
+        let split = |t: f64, half: f64, cells: usize| {
+            let share = 2.0 * (0.17 * cells as f64).round().max(1.0) / cells as f64;
+            let into = (t.abs() - (1.0 - share)) / share;
+            (into, (half - r) * (t.abs() / (1.0 - share)).min(1.0))
+        };
+        let (iu, x) = split(u, self.half.x, self.cells[0]);
+        let (iv, z) = split(v, self.half.y, self.cells[1]);
+        let mut corner = DVec2::new(iu.max(0.0), iv.max(0.0));
+        if iu > 0.0 && iv > 0.0 {
+            corner = squircle(iu, iv, 2.0);
+        }
+        DVec2::new(u.signum() * (x + r * corner.x), v.signum() * (z + r * corner.y))
+    }
+}
