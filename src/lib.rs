@@ -12,15 +12,38 @@
 #![warn(missing_docs)]
 
 pub mod contract;
+
 pub mod device;
+
 pub mod mesh;
+
 pub mod flatten;
+
 pub mod sampling;
+
 pub mod segmentation;
+
 pub mod charts;
+
 pub mod parameterization;
+
 pub mod atlas;
+
 pub mod metrics;
+
 pub mod preview;
+
 pub mod pipeline;
+
 pub mod synth;
+
+pub mod config;
+pub mod telemetry;
+
+pub mod jobs;
+
+pub mod http;
+
+pub mod worker;
+
+pub mod cli;

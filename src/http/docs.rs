@@ -1,0 +1,195 @@
+//! The OpenAPI document, made from the handlers and the types themselves, and Swagger UI to read it
+//! with, from the program's own bytes.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock};
+
+use axum::extract::Path;
+use axum::http::header;
+use axum::response::{IntoResponse, Redirect, Response};
+use utoipa::openapi::{ContentBuilder, Ref, RefOr, Response as ApiResponse, ResponseBuilder};
+use utoipa::{OpenApi, ToSchema};
+use utoipa_swagger_ui::Config;
+
+use super::problem::MEDIA_TYPE;
+use super::routes::ApiPaths;
+use super::{Problem, ProblemBody};
+use crate::contract::{ErrorCode, Metrics, UnwrapOptions};
+
+/// The document's head. The operations come from [`ApiPaths`], the schemas from what they name.
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "UVSegNet",
+        description = "UV unwrapping as a service: a mesh goes in; the same mesh comes back with UV charts whose \
+            seams follow the object's parts, a certificate that the UVs are valid, and metrics.\n\nEvery error is \
+            `application/problem+json` (RFC 9457). Every answer carries `X-Request-Id`.",
+    ),
+    tags(
+        (name = "jobs", description = "Meshes to unwrap"),
+        (name = "events", description = "What happens to jobs"),
+        (name = "artifacts", description = "What jobs made"),
+        (name = "service", description = "The service itself"),
+    ),
+    components(schemas(Metrics, ProblemBody)),
+)]
+struct ApiHead;
+
+/// The document as YAML.
+pub fn openapi_yaml() -> Result<String, String> {
+    let mut document = ApiHead::openapi();
+    document.merge(ApiPaths::openapi());
+    document.to_yaml().map_err(|error| error.to_string())
+}
+
+/// A form with a mesh.
+#[derive(ToSchema)]
+#[allow(dead_code)]
+pub struct JobForm {
+    /// The mesh: GLB, glTF with data URIs, or OBJ.
+    #[schema(value_type = String, format = Binary)]
+    file: Vec<u8>,
+    /// What to do; what is left out has its default.
+    options: Option<UnwrapOptions>,
+    /// Part labels as text: one integer a line, line i is face i, -1 for unknown.
+    labels: Option<String>,
+}
+
+/// A mesh or another file as it is.
+#[derive(ToSchema)]
+#[schema(value_type = String, format = Binary)]
+#[allow(dead_code)]
+pub struct FileBytes(Vec<u8>);
+
+/// The error answers of an operation, one a status, from the table of codes.
+pub fn refused(codes: &[ErrorCode]) -> BTreeMap<String, RefOr<ApiResponse>> {
+    let mut by_status = BTreeMap::<u16, Vec<String>>::new();
+    for code in codes {
+        let line = format!("`{}`: {}", code.as_str(), code.title());
+        by_status.entry(code.status()).or_default().push(line);
+    }
+    let answer = |lines: Vec<String>| {
+        let schema = Ref::from_schema_name(ProblemBody::name());
+        let content = ContentBuilder::new().schema(Some(schema)).build();
+        ResponseBuilder::new().description(lines.join("\n\n")).content(MEDIA_TYPE, content).build()
+    };
+    by_status
+        .into_iter()
+        .map(|(status, lines)| (status.to_string(), answer(lines).into()))
+        .collect()
+}
+
+/// `refusals! { Name: Code… }` makes the type that stands for these error answers in the document.
+macro_rules! refusals {
+    ($name:ident: $($code:ident)*) => {
+        struct $name;
+        impl utoipa::IntoResponses for $name {
+            fn responses() -> std::collections::BTreeMap<
+                String,
+                utoipa::openapi::RefOr<utoipa::openapi::Response>,
+            > {
+                $crate::http::docs::refused(&[$($crate::contract::ErrorCode::$code),*])
+            }
+        }
+    };
+}
+pub(in crate::http) use refusals;
+
+/// `GET /openapi.yaml`
+pub async fn yaml() -> Result<Response, Problem> {
+    static YAML: LazyLock<Result<String, String>> = LazyLock::new(openapi_yaml);
+    let text = YAML.as_ref().map_err(Problem::internal)?;
+    Ok(([(header::CONTENT_TYPE, "application/yaml")], text.as_str()).into_response())
+}
+
+/// `GET /docs`: the page's own links are relative to the slash.
+pub async fn redirect() -> Redirect {
+    Redirect::permanent("/docs/")
+}
+
+/// `GET /docs/`
+pub async fn index() -> Result<Response, Problem> {
+    swagger("index.html")
+}
+
+/// `GET /docs/{file}`
+pub async fn file(Path(file): Path<String>) -> Result<Response, Problem> {
+    swagger(&file)
+}
+
+/// Nothing but this service is ever asked by the page.
+const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
+
+fn swagger(name: &str) -> Result<Response, Problem> {
+    static CONFIG: LazyLock<Arc<Config<'static>>> = LazyLock::new(|| {
+        // "none": no badge of a validator on the net.
+        Arc::new(Config::from("/openapi.yaml").validator_url("none"))
+    });
+    let found = utoipa_swagger_ui::serve(name, CONFIG.clone()).map_err(Problem::internal)?;
+    let Some(file) = found else {
+        return Err(Problem::not_found(format_args!("The file {name:?} of the documentation")));
+    };
+    let headers = [
+        (header::CONTENT_TYPE, file.content_type.as_str()),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+    ];
+    Ok((headers, file.bytes.into_owned()).into_response())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn committed_document_is_what_the_code_says() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.yaml");
+        let committed = std::fs::read_to_string(path).unwrap();
+        let stale = committed != openapi_yaml().unwrap();
+        assert!(
+            !stale,
+            "openapi.yaml is stale: run `cargo run --release -- openapi -o openapi.yaml`"
+        );
+    }
+
+    #[test]
+    fn document_names_every_operation_and_no_other() {
+        let mut document = ApiHead::openapi();
+        document.merge(ApiPaths::openapi());
+        let paths: Vec<_> = document.paths.paths.keys().cloned().collect();
+        let mut want = vec![
+            "/v1/jobs",
+            "/v1/jobs/{id}",
+            "/v1/jobs/{id}/cancel",
+            "/v1/jobs/{id}/events",
+            "/v1/jobs/{id}/artifacts",
+            "/v1/jobs/{id}/artifacts/{name}",
+            "/v1/events",
+            "/v1/info",
+            "/healthz",
+            "/readyz",
+        ];
+        let mut paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+        (paths.sort_unstable(), want.sort_unstable());
+        assert_eq!(paths, want);
+    }
+
+    #[test]
+    fn every_reference_has_its_schema() {
+        let yaml = openapi_yaml().unwrap();
+        let prefix = "#/components/schemas/";
+        for line in yaml.lines().filter(|line| line.contains(prefix)) {
+            let name = line.split(prefix).nth(1).unwrap().trim_end_matches(['\'', '"']);
+            assert!(yaml.contains(&format!("\n    {name}:\n")), "{name} is missing");
+        }
+    }
+
+    #[test]
+    fn swagger_ui_is_in_the_program() {
+        for name in
+            ["index.html", "swagger-ui.css", "swagger-ui-bundle.js", "swagger-initializer.js"]
+        {
+            assert_eq!(swagger(name).unwrap().status(), 200, "{name}");
+        }
+        assert_eq!(swagger("nothing").unwrap_err().code(), ErrorCode::NotFound);
+    }
+}

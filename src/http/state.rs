@@ -1,0 +1,64 @@
+//! What every handler is given.
+
+use std::sync::Arc;
+
+use axum::http::{HeaderValue, header};
+use tokio_util::sync::CancellationToken;
+
+use super::Problem;
+use crate::contract::{ErrorCode, Limits};
+use crate::jobs::{BlobError, Blobs, Changes, Job, JobId, Queue, QueueError};
+
+/// The queue, the blobs, and the rules. Cheap to clone.
+#[derive(Clone)]
+pub struct AppState {
+    /// Jobs and their events.
+    pub queue: Arc<dyn Queue>,
+    /// Uploads and artifacts.
+    pub blobs: Blobs,
+    /// Tells when a job may have changed.
+    pub changes: Changes,
+    /// What the service accepts.
+    pub limits: Limits,
+    /// Set when the service is to stop.
+    pub shutdown: CancellationToken,
+}
+
+impl AppState {
+    /// The job that an address names.
+    pub(super) async fn job(&self, id: &str) -> Result<Job, Problem> {
+        let unknown = || Problem::not_found(format_args!("The job {id:?}"));
+        let parsed: JobId = id.parse().map_err(|_| unknown())?;
+        self.queue.get(parsed).await?.ok_or_else(unknown)
+    }
+}
+
+/// Seconds after which a client may try again when the queue is full.
+const RETRY_AFTER: HeaderValue = HeaderValue::from_static("5");
+
+impl From<QueueError> for Problem {
+    fn from(error: QueueError) -> Self {
+        match error {
+            QueueError::Full { limit } => {
+                let detail =
+                    format!("{limit} jobs wait already, which is the limit; try again later");
+                Self::new(ErrorCode::QueueQuotaExceeded, detail)
+                    .with_header(header::RETRY_AFTER, RETRY_AFTER)
+            }
+            QueueError::Cursor => Self::malformed(
+                "cursor: this is not the next_cursor of a page of this list; leave it away to start anew",
+            ),
+            QueueError::StorageFull => Self::new(ErrorCode::StorageFull, error.to_string()),
+            error => Self::internal(error),
+        }
+    }
+}
+
+impl From<BlobError> for Problem {
+    fn from(error: BlobError) -> Self {
+        match error {
+            BlobError::StorageFull => Self::new(ErrorCode::StorageFull, error.to_string()),
+            error => Self::internal(error),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Rows of `job_events`: written by whoever changes a job, in the same transaction.
+
+use jiff::Timestamp;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{AssertSqlSafe, Row};
+
+use super::{Event, JobId, NewEvent, QueueError, SqliteQueue};
+use crate::jobs::sqlite::rows::{read, time};
+
+const SELECT: &str = "SELECT event_id, job_id, seq, kind, data, at FROM job_events";
+
+/// Write events of a job that this transaction may change.
+pub async fn append(
+    connection: &mut SqliteConnection,
+    id: JobId,
+    events: &[NewEvent],
+) -> Result<(), QueueError> {
+    if events.is_empty() {
+        return Ok(());
+    }
+    let id = id.to_string();
+    let count = events.len() as i64;
+    let last: i64 = sqlx::query_scalar("SELECT last_seq FROM jobs WHERE id = ?")
+        .bind(&id)
+        .fetch_one(&mut *connection)
+        .await?;
+    sqlx::query("UPDATE jobs SET last_seq = last_seq + ?, revision = revision + 1 WHERE id = ?")
+        .bind(count)
+        .bind(&id)
+        .execute(&mut *connection)
+        .await?;
+    for (event, seq) in events.iter().zip(last + 1..) {
+        sqlx::query("INSERT INTO job_events (job_id, seq, kind, data, at) VALUES (?, ?, ?, ?, ?)")
+            .bind(&id)
+            .bind(seq)
+            .bind(event.kind.as_str())
+            .bind(event.data.to_string())
+            .bind(event.at.as_microsecond())
+            .execute(&mut *connection)
+            .await?;
+    }
+    Ok(())
+}
+
+/// Events of one job.
+pub async fn of_job(
+    queue: &SqliteQueue,
+    id: JobId,
+    after: u64,
+    limit: u32,
+) -> Result<Vec<Event>, QueueError> {
+    let sql = format!("{SELECT} WHERE job_id = ? AND seq > ? ORDER BY seq LIMIT ?");
+    let rows = sqlx::query(AssertSqlSafe(sql))
+        .bind(id.to_string())
+        .bind(i64::try_from(after).unwrap_or(i64::MAX))
+        .bind(limit)
+        .fetch_all(&queue.reader)
+        .await?;
+    rows.iter().map(event).collect()
+}
+
+/// Events of all jobs.
+pub async fn of_all(queue: &SqliteQueue, after: i64, limit: u32) -> Result<Vec<Event>, QueueError> {
+    let sql = format!("{SELECT} WHERE event_id > ? ORDER BY event_id LIMIT ?");
+    let rows =
+        sqlx::query(AssertSqlSafe(sql)).bind(after).bind(limit).fetch_all(&queue.reader).await?;
+    rows.iter().map(event).collect()
+}
+
+/// The greatest `event_id` that was ever given, deleted rows included.
+pub async fn last_id(queue: &SqliteQueue) -> Result<i64, QueueError> {
+    let last = sqlx::query_scalar("SELECT seq FROM sqlite_sequence WHERE name = 'job_events'")
+        .fetch_optional(&queue.reader)
+        .await?;
+    Ok(last.unwrap_or(0))
+}
+
+fn event(row: &SqliteRow) -> Result<Event, QueueError> {
+    let event_id: i64 = row.try_get("event_id")?;
+    let bad = |why: String| QueueError::Row { what: format!("event {event_id}"), why };
+    let kind: String = row.try_get("kind")?;
+    let data: String = row.try_get("data")?;
+    let at: Option<Timestamp> = time(row.try_get("at")?);
+    Ok(Event {
+        event_id,
+        job_id: read(row, "job_id")?,
+        seq: row.try_get::<i64, _>("seq")?.unsigned_abs(),
+        kind: kind.parse().map_err(bad)?,
+        data: serde_json::from_str(&data).map_err(|error| bad(error.to_string()))?,
+        at: at.unwrap_or_default(),
+    })
+}

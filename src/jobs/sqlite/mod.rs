@@ -1,0 +1,233 @@
+//! The queue in one SQLite file, for one host: a writer pool of exactly one connection, so that
+//! writes of this process queue up here and not in busy waits, and a pool of readers.
+
+mod client;
+mod disk;
+mod events;
+mod leases;
+mod rows;
+mod schema;
+mod transitions;
+mod upkeep;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use async_trait::async_trait;
+use jiff::Timestamp;
+use sqlx::sqlite::{
+    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
+};
+use sqlx::{Sqlite, Transaction};
+
+use crate::contract::JobError;
+
+use super::{
+    CancelOutcome, Changes, Claim, Deleted, Event, Finished, Job, JobId, JobState, Lease,
+    ListFilter, NewEvent, NewJob, Page, Queue, QueueError, Stats, Swept, Tick, TickAnswer, Worker,
+};
+
+/// How long a write waits for another process's write.
+const BUSY: Duration = Duration::from_secs(20);
+
+/// Connections that read.
+const READERS: u32 = 4;
+
+/// What the queue is to keep to.
+#[derive(Debug, Clone)]
+pub struct SqliteConfig {
+    /// The database file, on a local disk.
+    pub file: PathBuf,
+    /// How long a lease lasts without being extended.
+    pub lease: Duration,
+    /// Attempts a job gets.
+    pub max_attempts: u32,
+    /// How long uploads and artifacts are kept once a job is over.
+    pub retention: Duration,
+}
+
+impl SqliteConfig {
+    /// The usual values: leases of 30 s, 3 attempts, 7 days.
+    pub fn new(file: impl Into<PathBuf>) -> Self {
+        Self {
+            file: file.into(),
+            lease: Duration::from_secs(30),
+            max_attempts: 3,
+            retention: Duration::from_secs(7 * 24 * 3600),
+        }
+    }
+}
+
+/// The queue in a SQLite file. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct SqliteQueue {
+    writer: SqlitePool,
+    reader: SqlitePool,
+    config: SqliteConfig,
+}
+
+impl SqliteQueue {
+    /// Make the file if need be and bring its schema up to date; one process at a time. Only a
+    /// server does this.
+    pub async fn migrate(file: &Path) -> Result<(), QueueError> {
+        schema::migrate(file).await
+    }
+
+    /// Open the queue. Waits up to `patience` for a server to bring the schema to exactly the
+    /// version that this program knows, and refuses after that.
+    pub async fn open(config: SqliteConfig, patience: Duration) -> Result<Self, QueueError> {
+        disk::refuse_network(&config.file)?;
+        schema::wait(&config.file, patience).await?;
+        let options = connect_options(&config.file);
+        let writer = SqlitePoolOptions::new().max_connections(1).min_connections(1);
+        let reader = SqlitePoolOptions::new().max_connections(READERS);
+        Ok(Self {
+            writer: writer.connect_with(options.clone()).await?,
+            reader: reader.connect_with(options.pragma("query_only", "ON")).await?,
+            config,
+        })
+    }
+
+    /// Watch for commits.
+    pub fn changes(&self) -> Changes {
+        Changes::watch(connect_options(&self.config.file).pragma("query_only", "ON"))
+    }
+
+    /// A transaction that holds the write lock from its first statement, so that what it reads
+    /// stays true until it commits.
+    async fn begin(&self) -> Result<Transaction<'static, Sqlite>, QueueError> {
+        Ok(self.writer.begin_with("BEGIN IMMEDIATE").await?)
+    }
+
+    /// A transaction that only reads: all its statements see the same state.
+    async fn snapshot(&self) -> Result<Transaction<'static, Sqlite>, QueueError> {
+        Ok(self.reader.begin().await?)
+    }
+}
+
+fn connect_options(file: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(file)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY)
+}
+
+impl From<sqlx::Error> for QueueError {
+    fn from(error: sqlx::Error) -> Self {
+        // SQLITE_FULL: <https://sqlite.org/rescode.html#full>.
+        let code = error.as_database_error().and_then(|error| error.code());
+        if code.as_deref() == Some("13") {
+            return QueueError::StorageFull;
+        }
+        QueueError::Database(Box::new(error))
+    }
+}
+
+/// Now, as times are stored.
+fn now_us() -> i64 {
+    Timestamp::now().as_microsecond()
+}
+
+fn micros(duration: Duration) -> i64 {
+    i64::try_from(duration.as_micros()).unwrap_or(i64::MAX / 4)
+}
+
+#[async_trait]
+impl Queue for SqliteQueue {
+    async fn submit(&self, job: NewJob, limit: u64) -> Result<Job, QueueError> {
+        client::submit(self, job, limit).await
+    }
+
+    async fn get(&self, id: JobId) -> Result<Option<Job>, QueueError> {
+        rows::job(&mut *self.snapshot().await?, id).await
+    }
+
+    async fn list(&self, filter: &ListFilter) -> Result<Page, QueueError> {
+        client::list(self, filter).await
+    }
+
+    async fn request_cancel(&self, id: JobId) -> Result<CancelOutcome, QueueError> {
+        client::request_cancel(self, id).await
+    }
+
+    async fn delete(&self, id: JobId) -> Result<Deleted, QueueError> {
+        client::delete(self, id).await
+    }
+
+    async fn events_after(
+        &self,
+        id: JobId,
+        after: u64,
+        limit: u32,
+    ) -> Result<Vec<Event>, QueueError> {
+        events::of_job(self, id, after, limit).await
+    }
+
+    async fn all_events_after(&self, after: i64, limit: u32) -> Result<Vec<Event>, QueueError> {
+        events::of_all(self, after, limit).await
+    }
+
+    async fn last_event_id(&self) -> Result<i64, QueueError> {
+        events::last_id(self).await
+    }
+
+    async fn stats(&self) -> Result<Stats, QueueError> {
+        upkeep::stats(self).await
+    }
+
+    async fn register(&self, worker: &Worker) -> Result<(), QueueError> {
+        upkeep::register(self, worker).await
+    }
+
+    async fn worker_gone(&self, worker: &str) -> Result<Swept, QueueError> {
+        upkeep::worker_gone(self, worker).await
+    }
+
+    async fn claim(&self, worker: &Worker) -> Result<Option<Claim>, QueueError> {
+        leases::claim(self, worker).await
+    }
+
+    async fn tick(&self, lease: &Lease, tick: Tick) -> Result<TickAnswer, QueueError> {
+        leases::tick(self, lease, tick).await
+    }
+
+    async fn finish(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
+        leases::end(self, lease, leases::Ending::Succeeded, finished).await.map(|_| ())
+    }
+
+    async fn fail(
+        &self,
+        lease: &Lease,
+        error: JobError,
+        finished: Finished,
+    ) -> Result<JobState, QueueError> {
+        leases::end(self, lease, leases::Ending::Failed(error), finished).await
+    }
+
+    async fn canceled(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
+        leases::end(self, lease, leases::Ending::Canceled, finished).await.map(|_| ())
+    }
+
+    async fn release(&self, lease: &Lease, events: Vec<NewEvent>) -> Result<(), QueueError> {
+        leases::release(self, lease, &events).await
+    }
+
+    async fn sweep(&self) -> Result<Swept, QueueError> {
+        upkeep::sweep(self).await
+    }
+
+    async fn workers_on(&self, host: &str) -> Result<Vec<Worker>, QueueError> {
+        upkeep::workers_on(self, host).await
+    }
+
+    async fn expire(&self) -> Result<Vec<String>, QueueError> {
+        upkeep::expire(self).await
+    }
+
+    async fn named(&self, blobs: &[String]) -> Result<BTreeSet<String>, QueueError> {
+        upkeep::named(self, blobs).await
+    }
+}

@@ -1,0 +1,140 @@
+//! Rows of `jobs` and `artifacts` as values.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::str::FromStr;
+
+use jiff::Timestamp;
+use serde::de::DeserializeOwned;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{QueryBuilder, Row, Sqlite};
+
+use super::{Job, JobId, QueueError, now_us};
+use crate::contract::MeshKind;
+use crate::jobs::{Artifact, Versions};
+
+/// What every read of jobs begins with.
+const SELECT: &str = "
+    SELECT jobs.*, CASE state WHEN 'queued' THEN (
+        SELECT count(*) FROM jobs AS ahead
+        WHERE ahead.state = 'queued' AND (ahead.priority > jobs.priority
+            OR (ahead.priority = jobs.priority AND ahead.id < jobs.id))
+    ) ELSE 0 END AS queue_position
+    FROM jobs WHERE ";
+
+/// A query of jobs, to be continued with a condition.
+pub fn select() -> QueryBuilder<Sqlite> {
+    QueryBuilder::new(SELECT)
+}
+
+/// One job.
+pub async fn job(connection: &mut SqliteConnection, id: JobId) -> Result<Option<Job>, QueueError> {
+    let mut query = select();
+    query.push("id = ").push_bind(id.to_string());
+    Ok(jobs(connection, query).await?.pop())
+}
+
+/// The jobs that `query` (from [`select`]) finds, in its order, with their artifacts.
+pub async fn jobs(
+    connection: &mut SqliteConnection,
+    mut query: QueryBuilder<Sqlite>,
+) -> Result<Vec<Job>, QueueError> {
+    let rows = query.build().fetch_all(&mut *connection).await?;
+    let mut jobs: Vec<Job> = rows.iter().map(job_of).collect::<Result<_, _>>()?;
+    let ids: Vec<String> = jobs.iter().map(|job| job.id.to_string()).collect();
+    let rows = sqlx::query(
+        "SELECT * FROM artifacts WHERE job_id IN (SELECT value FROM json_each(?))
+         ORDER BY job_id, position",
+    )
+    .bind(json(&ids)?)
+    .fetch_all(connection)
+    .await?;
+    let mut artifacts: BTreeMap<JobId, Vec<Artifact>> = BTreeMap::new();
+    for row in &rows {
+        artifacts.entry(read(row, "job_id")?).or_default().push(artifact_of(row)?);
+    }
+    for job in &mut jobs {
+        job.artifacts = artifacts.remove(&job.id).unwrap_or_default();
+    }
+    Ok(jobs)
+}
+
+fn job_of(row: &SqliteRow) -> Result<Job, QueueError> {
+    let expires_at = time(row.try_get("expires_at")?);
+    let over = row.try_get::<i64, _>("expires_at")?;
+    Ok(Job {
+        id: read(row, "id")?,
+        state: read(row, "state")?,
+        tag: row.try_get("tag")?,
+        priority: row.try_get("priority")?,
+        attempt: row.try_get("attempt")?,
+        max_attempts: row.try_get("max_attempts")?,
+        queue_position: row.try_get::<i64, _>("queue_position")?.unsigned_abs(),
+        cancel_requested: row.try_get("cancel_requested")?,
+        progress: from_json(row, "progress")?,
+        options: from_json(row, "options")?,
+        versions: Versions { engine: row.try_get("engine")?, weights: word(row, "weights")? },
+        device: word(row, "device")?,
+        metrics: from_json(row, "metrics")?,
+        error: from_json(row, "error")?,
+        artifacts: Vec::new(),
+        kind: mesh_kind(row)?,
+        upload: row.try_get("upload")?,
+        labels: word(row, "labels")?,
+        created_at: time(row.try_get("created_at")?).unwrap_or_default(),
+        started_at: time(row.try_get("started_at")?),
+        finished_at: time(row.try_get("finished_at")?),
+        expires_at,
+        expired: row.try_get::<bool, _>("expired")? || (over > 0 && over <= now_us()),
+        last_seq: row.try_get::<i64, _>("last_seq")?.unsigned_abs(),
+        revision: row.try_get::<i64, _>("revision")?.unsigned_abs(),
+    })
+}
+
+fn artifact_of(row: &SqliteRow) -> Result<Artifact, QueueError> {
+    Ok(Artifact {
+        name: row.try_get("name")?,
+        media_type: row.try_get("media_type")?,
+        bytes: row.try_get::<i64, _>("bytes")?.unsigned_abs(),
+        sha256: row.try_get("sha256")?,
+        blob: row.try_get("blob")?,
+    })
+}
+
+/// A time as it is stored; 0 is none.
+pub fn time(micros: i64) -> Option<Timestamp> {
+    if micros == 0 { None } else { Timestamp::from_microsecond(micros).ok() }
+}
+
+/// JSON as it is stored.
+pub fn json(value: &impl serde::Serialize) -> Result<String, QueueError> {
+    serde_json::to_string(value).map_err(|error| QueueError::Database(Box::new(error)))
+}
+
+/// A column whose text is read by `FromStr`.
+pub fn read<T: FromStr<Err: Display>>(row: &SqliteRow, column: &str) -> Result<T, QueueError> {
+    let text: String = row.try_get(column)?;
+    text.parse().map_err(|error: T::Err| bad(row, column, &error))
+}
+
+fn from_json<T: DeserializeOwned>(row: &SqliteRow, column: &str) -> Result<T, QueueError> {
+    let text: String = row.try_get(column)?;
+    serde_json::from_str(&text).map_err(|error| bad(row, column, &error))
+}
+
+/// The kind of mesh is stored as its JSON word, without the quotes.
+fn mesh_kind(row: &SqliteRow) -> Result<MeshKind, QueueError> {
+    let word: String = row.try_get("kind")?;
+    serde_json::from_value(word.into()).map_err(|error| bad(row, "kind", &error))
+}
+
+/// A text that may be empty, which means none.
+fn word(row: &SqliteRow, column: &str) -> Result<Option<String>, QueueError> {
+    let text: String = row.try_get(column)?;
+    Ok(if text.is_empty() { None } else { Some(text) })
+}
+
+fn bad(row: &SqliteRow, column: &str, error: &dyn Display) -> QueueError {
+    let id: String = row.try_get("id").unwrap_or_default();
+    QueueError::Row { what: format!("job {id}"), why: format!("{column}: {error}") }
+}

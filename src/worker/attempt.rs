@@ -1,0 +1,356 @@
+//! One attempt of one job: the pipeline runs on its thread, and beside it the tick writes events,
+//! holds the lease and learns whether to stop.
+
+use std::future::pending;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use tokio::sync::oneshot;
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
+use tokio_util::sync::CancellationToken;
+
+use super::pipeline_thread::{Outcome, Work, start};
+use super::reporter::Reporter;
+use super::results::{discard, store_all};
+use crate::contract::{Budget, Cancel, ErrorCode, JobError, Limits, Run};
+use crate::device::Device;
+use crate::jobs::{
+    Artifact, Blobs, Changes, Claim, Finished, Job, JobState, Lease, MetricsSummary, NewEvent,
+    Queue, QueueError, Tick, TickAnswer,
+};
+use crate::pipeline::Unwrapped;
+use crate::telemetry::JobLog;
+
+/// How often events are written.
+const TICK: Duration = Duration::from_millis(500);
+/// How often the lease is extended.
+const EXTEND: Duration = Duration::from_secs(5);
+/// How long the pipeline gets to stop: a factorisation cannot look at its token.
+const GRACE: Duration = Duration::from_millis(1500);
+/// Share of the job's time limit after which the pipeline takes cheaper forms.
+const BUDGET_SHARE: f64 = 0.9;
+
+/// What every attempt of a worker is given.
+pub struct Context {
+    /// The queue.
+    pub queue: Arc<dyn Queue>,
+    /// The blobs.
+    pub blobs: Blobs,
+    /// Tells when somebody may have asked for the job to stop.
+    pub changes: Changes,
+    /// Where to compute.
+    pub device: Device,
+    /// What is accepted.
+    pub limits: Limits,
+    /// Set when the worker is to shut down.
+    pub drain: CancellationToken,
+    /// How long a job may go on after that.
+    pub drain_timeout: Duration,
+}
+
+/// Whether this process can take another job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Next {
+    /// It can.
+    Go,
+    /// It cannot: the pipeline still runs, or it left the process in an unknown state.
+    Renew,
+}
+
+/// Why the pipeline was told to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stop {
+    Canceled,
+    Drained,
+    TimedOut,
+    LeaseLost,
+}
+
+/// How the pipeline's part of the attempt ended.
+enum End {
+    /// It returned.
+    Returned(Outcome),
+    /// It was told to stop and did not.
+    Overdue,
+}
+
+/// Run the job that was claimed, to whatever end. Errors are errors of the queue: the job is then
+/// taken back when the lease lapses.
+pub async fn run(context: &Context, claim: Claim) -> Result<Next, QueueError> {
+    let Claim { job, lease } = claim;
+    JobLog::begin();
+    tracing::info!(job = %job.id, attempt = job.attempt, "job begins");
+    let mut attempt = Attempt {
+        context,
+        lease,
+        reporter: Arc::new(Reporter::new(job.attempt)),
+        cancel: Cancel::default(),
+        unwritten: Tick::default(),
+        stop: None,
+    };
+    let ended = match attempt.start(&job).await {
+        Ok(outcome) => attempt.watch(outcome).await,
+        Err(error) => End::Returned(Outcome::Failed(error)),
+    };
+    let next = attempt.conclude(ended).await;
+    JobLog::end();
+    next
+}
+
+struct Attempt<'a> {
+    context: &'a Context,
+    lease: Lease,
+    reporter: Arc<Reporter>,
+    cancel: Cancel,
+    /// What the pipeline told and no tick has written yet.
+    unwritten: Tick,
+    stop: Option<Stop>,
+}
+
+impl Attempt<'_> {
+    /// Fetch the input and begin the pipeline.
+    async fn start(&self, job: &Job) -> Result<oneshot::Receiver<Outcome>, JobError> {
+        let mesh = self.fetch(&job.upload).await?;
+        let labels = match &job.labels {
+            Some(labels) => Some(self.fetch(labels).await?),
+            None => None,
+        };
+        let limits = &self.context.limits;
+        let wall = job.options.budget_s.min(limits.job_seconds as f64 * BUDGET_SHARE);
+        let reporter = self.reporter.clone();
+        let run = Run::new(
+            move |progress| reporter.tell(progress),
+            self.cancel.clone(),
+            Budget::new(wall, job.options.budget_mib),
+        );
+        start(Work {
+            mesh,
+            kind: job.kind,
+            labels,
+            options: job.options.clone(),
+            limits: limits.clone(),
+            device: self.context.device.clone(),
+            run,
+        })
+        .map_err(|error| JobError::new(ErrorCode::Internal, format!("cannot start: {error}")))
+    }
+
+    async fn fetch(&self, blob: &str) -> Result<Bytes, JobError> {
+        self.context.blobs.read(blob).await.map_err(|error| {
+            JobError::new(ErrorCode::Internal, format!("cannot read the upload: {error}"))
+        })
+    }
+
+    /// Tick until the pipeline returns, or does not though it was told to stop.
+    async fn watch(&mut self, mut outcome: oneshot::Receiver<Outcome>) -> End {
+        let began = Instant::now();
+        let limit = began + Duration::from_secs(self.context.limits.job_seconds);
+        let mut changes = self.context.changes.clone();
+        let mut ticks = interval(TICK);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut extended = began;
+        let mut drained_at = None;
+        let mut overdue_at: Option<Instant> = None;
+        loop {
+            tokio::select! {
+                ended = &mut outcome => {
+                    let gone = |_| Outcome::Panicked("its thread is gone".into());
+                    return End::Returned(ended.unwrap_or_else(gone));
+                }
+                () = at(overdue_at) => return End::Overdue,
+                () = at(drained_at), if self.stop.is_none() => self.halt(Stop::Drained),
+                () = sleep_until(limit), if self.stop.is_none() => self.halt(Stop::TimedOut),
+                () = self.context.drain.cancelled(), if drained_at.is_none() => {
+                    drained_at = Some(Instant::now() + self.context.drain_timeout);
+                }
+                _ = ticks.tick() => {
+                    let extend = extended.elapsed() >= EXTEND;
+                    if self.tick(extend).await && extend {
+                        extended = Instant::now();
+                    }
+                }
+                () = changes.changed(), if self.stop.is_none() => self.look().await,
+            }
+            if self.stop.is_some() {
+                overdue_at.get_or_insert(Instant::now() + GRACE);
+            }
+        }
+    }
+
+    /// Tell the pipeline to stop, once.
+    fn halt(&mut self, stop: Stop) {
+        if self.stop.is_none() {
+            tracing::info!(job = %self.lease.job, reason = ?stop, "told to stop");
+            self.stop = Some(stop);
+            self.cancel.cancel();
+        }
+    }
+
+    /// Write what there is to write. What could not be written is kept for the next time.
+    async fn tick(&mut self, extend: bool) -> bool {
+        self.gather();
+        let tick = Tick { extend, ..self.unwritten.clone() };
+        match self.context.queue.tick(&self.lease, tick).await {
+            Ok(answer) => {
+                self.unwritten = Tick::default();
+                self.obey(answer);
+                true
+            }
+            Err(error) => {
+                tracing::warn!(%error, "a tick failed");
+                false
+            }
+        }
+    }
+
+    /// Something was committed somewhere: was it a request to cancel? This only reads.
+    async fn look(&mut self) {
+        if let Ok(answer) = self.context.queue.tick(&self.lease, Tick::default()).await {
+            self.obey(answer);
+        }
+    }
+
+    fn obey(&mut self, answer: TickAnswer) {
+        match answer {
+            TickAnswer::Continue => {}
+            TickAnswer::Cancel => self.halt(Stop::Canceled),
+            TickAnswer::LeaseLost => self.halt(Stop::LeaseLost),
+        }
+    }
+
+    fn gather(&mut self) {
+        let (events, progress) = self.reporter.take();
+        self.unwritten.events.extend(events);
+        self.unwritten.progress = progress.or(self.unwritten.progress.take());
+    }
+
+    /// The events and the progress that go with the end.
+    fn rest(&mut self) -> (Vec<NewEvent>, Finished) {
+        self.gather();
+        let rest = std::mem::take(&mut self.unwritten);
+        let finished = Finished { progress: rest.progress, ..Finished::default() };
+        (rest.events, finished)
+    }
+
+    /// Commit the end of the attempt.
+    async fn conclude(&mut self, ended: End) -> Result<Next, QueueError> {
+        let (next, outcome) = match ended {
+            End::Returned(outcome @ Outcome::Panicked(_)) => (Next::Renew, outcome),
+            End::Returned(outcome) => (Next::Go, outcome),
+            End::Overdue => {
+                tracing::warn!(job = %self.lease.job, "the pipeline did not stop in time");
+                (Next::Renew, Outcome::Canceled)
+            }
+        };
+        let committed = match outcome {
+            Outcome::Done(unwrapped) => self.succeed(&unwrapped).await.map(|()| next),
+            Outcome::Failed(error) => self.fail(error).await.map(|lost| lost.unwrap_or(next)),
+            Outcome::Panicked(message) => {
+                let error = format!("the pipeline panicked: {message}");
+                self.fail(JobError::new(ErrorCode::WorkerCrashed, error)).await.map(|_| next)
+            }
+            Outcome::Canceled => self.stopped().await.map(|()| next),
+        };
+        match committed {
+            Err(QueueError::LeaseLost) => {
+                tracing::warn!(job = %self.lease.job, "the lease was lost, nothing is committed");
+                Ok(next)
+            }
+            other => other,
+        }
+    }
+
+    async fn succeed(&mut self, unwrapped: &Unwrapped) -> Result<(), QueueError> {
+        let (events, mut finished) = self.rest();
+        if let Some(progress) = &mut finished.progress {
+            (progress.fraction, progress.eta_s) = (1.0, Some(0.0));
+        }
+        tracing::info!(job = %self.lease.job, "job succeeded");
+        let files = unwrapped.artifacts().iter();
+        let files = files.map(|file| (file.name, file.media_type, Bytes::from(file.bytes.clone())));
+        let stored = store_all(&self.context.blobs, files.chain([log()])).await;
+        let artifacts = match stored {
+            Ok(artifacts) => artifacts,
+            Err(error) => {
+                let error = format!("the result cannot be stored: {error}");
+                self.unwritten.events = events;
+                return self.fail(JobError::new(ErrorCode::Internal, error)).await.map(|_| ());
+            }
+        };
+        let metrics = Some(MetricsSummary::from(&unwrapped.metrics));
+        let finished = Finished { events, artifacts: artifacts.clone(), metrics, ..finished };
+        let committed = self.context.queue.finish(&self.lease, finished).await;
+        self.keep_if_ok(committed, &artifacts).await
+    }
+
+    /// Says that this process is to be renewed where the device was lost.
+    async fn fail(&mut self, error: JobError) -> Result<Option<Next>, QueueError> {
+        let (events, finished) = self.rest();
+        tracing::warn!(job = %self.lease.job, %error, "attempt failed");
+        let lost = error.code == ErrorCode::DeviceLost;
+        // A log that cannot be stored must not hide the error that it was to explain.
+        let artifacts = store_all(&self.context.blobs, [log()]).await.unwrap_or_default();
+        let finished = Finished { events, artifacts: artifacts.clone(), ..finished };
+        let state = self.context.queue.fail(&self.lease, error, finished).await;
+        if !matches!(state, Ok(JobState::Failed)) {
+            discard(&self.context.blobs, &artifacts).await;
+        }
+        state.map(|_| lost.then_some(Next::Renew))
+    }
+
+    /// The pipeline stopped, or is given up, because it was told to stop.
+    async fn stopped(&mut self) -> Result<(), QueueError> {
+        let queue = &self.context.queue;
+        match self.stop {
+            Some(Stop::LeaseLost) => Err(QueueError::LeaseLost),
+            Some(Stop::Canceled) => {
+                let (events, finished) = self.rest();
+                tracing::info!(job = %self.lease.job, "job canceled");
+                queue.canceled(&self.lease, Finished { events, ..finished }).await
+            }
+            Some(Stop::Drained) => {
+                let (events, _) = self.rest();
+                tracing::info!(job = %self.lease.job, "job handed back");
+                queue.release(&self.lease, events).await
+            }
+            Some(Stop::TimedOut) => {
+                let seconds = self.context.limits.job_seconds;
+                let message = format!(
+                    "the job ran for {seconds} s, which is the limit; give it fewer triangles, \
+                     `steps` or `points`"
+                );
+                self.fail(JobError::new(ErrorCode::TimedOut, message)).await.map(|_| ())
+            }
+            None => {
+                let message = "the pipeline stopped though nobody asked it to";
+                self.fail(JobError::new(ErrorCode::Internal, message)).await.map(|_| ())
+            }
+        }
+    }
+
+    async fn keep_if_ok(
+        &self,
+        committed: Result<(), QueueError>,
+        artifacts: &[Artifact],
+    ) -> Result<(), QueueError> {
+        // Of any other error it is not known whether the row stands: the orphan sweep knows.
+        if matches!(committed, Err(QueueError::LeaseLost)) {
+            discard(&self.context.blobs, artifacts).await;
+        }
+        committed
+    }
+}
+
+/// The log so far, as a file.
+fn log() -> (&'static str, &'static str, Bytes) {
+    ("log.jsonl", "application/jsonl", JobLog::so_far().into())
+}
+
+/// The moment, or never.
+async fn at(moment: Option<Instant>) {
+    match moment {
+        Some(moment) => sleep_until(moment).await,
+        None => pending().await,
+    }
+}

@@ -1,0 +1,74 @@
+//! The pipeline on a thread of its own, so that the tick goes on whatever it does.
+
+use std::any::Any;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use bytes::Bytes;
+use tokio::sync::oneshot;
+
+use crate::contract::{JobError, Limits, MeshKind, Run, UnwrapOptions};
+use crate::device::Device;
+use crate::pipeline::{Input, Unwrapped, unwrap_input};
+
+/// Bytes of stack: walks over large meshes may recurse.
+const STACK: usize = 64 << 20;
+
+/// One call of the pipeline.
+pub struct Work {
+    /// The mesh.
+    pub mesh: Bytes,
+    /// What kind of mesh that is.
+    pub kind: MeshKind,
+    /// The part labels.
+    pub labels: Option<Bytes>,
+    /// What to do.
+    pub options: UnwrapOptions,
+    /// What is accepted.
+    pub limits: Limits,
+    /// Where to compute.
+    pub device: Device,
+    /// Whom to tell, and when to stop.
+    pub run: Run,
+}
+
+/// How the call ended.
+pub enum Outcome {
+    /// With a result.
+    Done(Box<Unwrapped>),
+    /// With an error.
+    Failed(JobError),
+    /// It was asked to stop, and did.
+    Canceled,
+    /// It panicked: a driver, or a mistake of ours. The process is not to be trusted any more.
+    Panicked(String),
+}
+
+/// Begin the call. The thread is left to itself if nobody waits for the answer.
+pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
+    let (answer, outcome) = oneshot::channel();
+    let thread = std::thread::Builder::new().name("pipeline".into()).stack_size(STACK);
+    thread.spawn(move || {
+        let ended = catch_unwind(AssertUnwindSafe(|| call(&work)));
+        let ended = ended.unwrap_or_else(|panic| Outcome::Panicked(message_of(&*panic)));
+        // Nobody waits any more: the attempt was given up.
+        let _ = answer.send(ended);
+    })?;
+    Ok(outcome)
+}
+
+fn call(work: &Work) -> Outcome {
+    let input = Input { bytes: &work.mesh, kind: work.kind, labels: work.labels.as_deref() };
+    match unwrap_input(&input, &work.options, &work.limits, &work.device, &work.run) {
+        Ok(unwrapped) => Outcome::Done(Box::new(unwrapped)),
+        Err(error) => match error.job_error() {
+            Some(error) => Outcome::Failed(error),
+            None => Outcome::Canceled,
+        },
+    }
+}
+
+fn message_of(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("without a message").to_string()
+}

@@ -1,0 +1,175 @@
+//! From what the pipeline tells to rows of events: stages, parts and warnings all, progress only as
+//! often as it may be written.
+
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::contract::{Progress, Stage};
+use crate::jobs::{EventKind, JobProgress, NewEvent};
+
+/// Least time between two `progress` rows of a job.
+const PROGRESS_EVERY: Duration = Duration::from_millis(500);
+
+/// Share of a stage below which its pace says nothing.
+const PACE_FROM: f64 = 0.05;
+
+/// Takes what the pipeline tells, from any thread; gives what is to be written.
+#[derive(Debug)]
+pub struct Reporter {
+    attempt: u32,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    events: Vec<NewEvent>,
+    now: Option<JobProgress>,
+    /// Whether `now` differs from what was given last.
+    changed: bool,
+    /// Whether `now` is news of a stage that goes on.
+    moved: bool,
+    stage_began: Instant,
+    progress_given: Option<Instant>,
+}
+
+impl Reporter {
+    /// A reporter of this attempt.
+    pub fn new(attempt: u32) -> Self {
+        let state = State {
+            events: Vec::new(),
+            now: None,
+            changed: false,
+            moved: false,
+            stage_began: Instant::now(),
+            progress_given: None,
+        };
+        Self { attempt, state: Mutex::new(state) }
+    }
+
+    /// Take one thing.
+    pub fn tell(&self, progress: Progress) {
+        let mut state = self.state();
+        match progress {
+            Progress::Stage { stage } => {
+                tracing::info!(stage = stage.as_str(), "stage");
+                let data = json!({"attempt": self.attempt, "stage": stage});
+                state.events.push(NewEvent::now(EventKind::Stage, data));
+                state.stage_began = Instant::now();
+                let parts = state.now.as_ref().map_or((0, 0), |p| (p.parts_done, p.parts_total));
+                state.set(stage, 0.0, parts, None);
+                // Progress of the stage before that was not yet given is thinned away.
+                state.moved = false;
+            }
+            Progress::Progress { stage, fraction, parts_done, parts_total } => {
+                tracing::debug!(
+                    stage = stage.as_str(),
+                    fraction,
+                    parts_done,
+                    parts_total,
+                    "progress"
+                );
+                let fraction = if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 };
+                let spent = state.stage_began.elapsed().as_secs_f64();
+                let eta = (fraction >= PACE_FROM).then(|| spent * (1.0 - fraction) / fraction);
+                state.set(stage, fraction, (parts_done, parts_total), eta);
+                state.moved = true;
+            }
+            Progress::PartCompleted { part, name, charts, symmetric_dirichlet } => {
+                tracing::info!(part, name, charts, symmetric_dirichlet, "part completed");
+                let data = json!({
+                    "part": part, "name": name, "charts": charts,
+                    "symmetric_dirichlet": symmetric_dirichlet,
+                });
+                state.events.push(NewEvent::now(EventKind::PartCompleted, data));
+            }
+            Progress::Warning { code, message } => {
+                tracing::warn!(code, "{message}");
+                let data = json!({"code": code, "message": message});
+                state.events.push(NewEvent::now(EventKind::Warning, data));
+            }
+        }
+    }
+
+    /// What is to be written: events, and the progress if it changed since it was last asked for.
+    pub fn take(&self) -> (Vec<NewEvent>, Option<JobProgress>) {
+        let mut state = self.state();
+        let due = state.progress_given.is_none_or(|last| last.elapsed() >= PROGRESS_EVERY);
+        if state.moved && due {
+            let data = serde_json::to_value(&state.now).unwrap_or_default();
+            state.events.push(NewEvent::now(EventKind::Progress, data));
+            state.progress_given = Some(Instant::now());
+            state.moved = false;
+        }
+        let changed = std::mem::take(&mut state.changed);
+        (std::mem::take(&mut state.events), state.now.clone().filter(|_| changed))
+    }
+
+    /// A panic in the pipeline leaves nothing half-written here.
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+impl State {
+    fn set(&mut self, stage: Stage, fraction: f64, parts: (u32, u32), eta_s: Option<f64>) {
+        let (parts_done, parts_total) = parts;
+        self.now = Some(JobProgress { stage, fraction, parts_done, parts_total, eta_s });
+        self.changed = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn progress(fraction: f64) -> Progress {
+        Progress::Progress { stage: Stage::Train, fraction, parts_done: 1, parts_total: 4 }
+    }
+
+    #[test]
+    fn progress_is_thinned_and_stages_are_not() {
+        let reporter = Reporter::new(2);
+        for step in 0..100 {
+            reporter.tell(Progress::Stage { stage: Stage::Train });
+            reporter.tell(progress(f64::from(step) / 100.0));
+            reporter.take();
+        }
+        reporter.tell(Progress::Stage { stage: Stage::Pack });
+        let (events, now) = reporter.take();
+        let kinds: Vec<_> = events.iter().map(|event| event.kind).collect();
+        assert_eq!(kinds, [EventKind::Stage]);
+        assert_eq!(events[0].data, json!({"attempt": 2, "stage": "pack"}));
+        let now = now.unwrap();
+        assert_eq!((now.stage, now.parts_done, now.parts_total), (Stage::Pack, 1, 4));
+        assert_eq!(reporter.take(), (vec![], None));
+    }
+
+    #[test]
+    fn at_most_two_progress_rows_a_second() {
+        let reporter = Reporter::new(1);
+        let began = Instant::now();
+        let mut rows = 0;
+        while began.elapsed() < Duration::from_millis(1200) {
+            reporter.tell(progress(0.5));
+            rows += reporter.take().0.len();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(rows, 3);
+    }
+
+    #[test]
+    fn the_time_left_follows_the_pace() {
+        let reporter = Reporter::new(1);
+        reporter.tell(Progress::Stage { stage: Stage::Train });
+        reporter.tell(progress(0.01));
+        assert_eq!(reporter.take().1.unwrap().eta_s, None);
+        std::thread::sleep(Duration::from_millis(50));
+        reporter.tell(progress(0.2));
+        let eta = reporter.take().1.unwrap().eta_s.unwrap();
+        assert!((0.2..0.8).contains(&eta), "{eta}");
+        reporter.tell(progress(f64::NAN));
+        assert_eq!(reporter.take().1.unwrap().fraction, 0.0);
+    }
+}

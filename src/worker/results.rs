@@ -1,0 +1,49 @@
+//! The files of an attempt: put in place as blobs before the row that names them commits.
+
+use bytes::Bytes;
+
+use crate::jobs::{Artifact, BlobError, BlobFolder, Blobs};
+
+/// Store one file.
+async fn store(
+    blobs: &Blobs,
+    name: &str,
+    media_type: &str,
+    bytes: Bytes,
+) -> Result<Artifact, BlobError> {
+    let stored = blobs.put(BlobFolder::Artifacts, bytes).await?;
+    Ok(Artifact {
+        name: name.into(),
+        media_type: media_type.into(),
+        bytes: stored.bytes,
+        sha256: stored.sha256,
+        blob: stored.name,
+    })
+}
+
+/// Store files in this order; nothing stays behind if one of them cannot be.
+pub async fn store_all(
+    blobs: &Blobs,
+    files: impl IntoIterator<Item = (&str, &str, Bytes)>,
+) -> Result<Vec<Artifact>, BlobError> {
+    let mut stored = Vec::new();
+    for (name, media_type, bytes) in files {
+        match store(blobs, name, media_type, bytes).await {
+            Ok(artifact) => stored.push(artifact),
+            Err(error) => {
+                discard(blobs, &stored).await;
+                return Err(error);
+            }
+        }
+    }
+    Ok(stored)
+}
+
+/// Delete files that no row will name. What cannot be deleted is left to the orphan sweep.
+pub async fn discard(blobs: &Blobs, artifacts: &[Artifact]) {
+    for artifact in artifacts {
+        if let Err(error) = blobs.delete(&artifact.blob).await {
+            tracing::warn!(blob = artifact.blob, %error, "cannot delete a file of an attempt");
+        }
+    }
+}
