@@ -1,10 +1,6 @@
 //! Time of one training step: 8 charts of 512 vertices, mappers of width 64, both mappers and all
 //! losses, in either form. `cargo bench --bench training`.
 
-use std::hint::black_box;
-use std::time::{Duration, Instant};
-
-use criterion::{Criterion, criterion_group, criterion_main};
 use glam::{DVec2, DVec3};
 use uvsegnet::contract::{LossForm, Run};
 use uvsegnet::device::Device;
@@ -38,7 +34,11 @@ fn barrel() -> (Disk, UvMap) {
     (Disk::new(positions, triangles), start)
 }
 
-fn step(c: &mut Criterion) {
+/// Steps of one sample; the preparation before the first is part of it.
+const STEPS: u32 = 20;
+
+#[divan::bench(args = [LossForm::Sound, LossForm::Paper], sample_count = 7, sample_size = 1)]
+fn twenty_steps_of_8_charts_of_512_points(bencher: divan::Bencher, form: LossForm) {
     let (disk, start) = barrel();
     let n = disk.positions.len();
     let chart = |id| TrainChart {
@@ -53,40 +53,15 @@ fn step(c: &mut Criterion) {
         id,
     };
     let charts: Vec<TrainChart> = (0..CHARTS).map(chart).collect();
+    let (width, points, seed, wall_share) = (64, 512, 0, 1e9);
+    let options = TrainOptions { width, steps: STEPS, points, seed, form, wall_share };
     let device = Device::cpu();
-    for form in [LossForm::Sound, LossForm::Paper] {
-        c.bench_function(&format!("training step, {CHARTS} × {n} × 64, {form}"), |b| {
-            b.iter_custom(|steps| {
-                // Only the steps count, not the preparation before the first or the Chamfer distance
-                // after the last; 3/5 of the steps are sure to be taken.
-                let asked = u32::try_from(2 * steps).unwrap_or(u32::MAX).max(8);
-                let options = TrainOptions {
-                    width: 64,
-                    steps: asked,
-                    points: 512,
-                    seed: 0,
-                    form,
-                    wall_share: 1e9,
-                };
-                let (mut begun, mut taken) = (Instant::now(), Duration::ZERO);
-                let mut told = |step: u32, _: u32, _: &[usize]| {
-                    if step == 0 {
-                        begun = Instant::now();
-                    } else if u64::from(step) == steps {
-                        taken = begun.elapsed();
-                    }
-                };
-                let trained = train(&charts, &options, &device, &Run::quiet(), &mut told);
-                black_box(trained.expect("nothing cancels a quiet run"));
-                taken
-            });
-        });
-    }
+    bencher.counter(divan::counter::ItemsCount::new(STEPS)).bench_local(|| {
+        let mut told = |_: u32, _: u32, _: &[usize]| {};
+        train(&charts, &options, &device, &Run::quiet(), &mut told).expect("nothing cancels it")
+    });
 }
 
-criterion_group! {
-    name = benches;
-    config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(15));
-    targets = step
+fn main() {
+    divan::main();
 }
-criterion_main!(benches);

@@ -32,10 +32,8 @@ fn allowed() -> BTreeMap<&'static str, Vec<&'static str>> {
     allowed.insert("http", [&service[..], &["jobs"]].concat());
     // A worker drives the pipeline on a device.
     allowed.insert("worker", [&service[..], &["jobs", "pipeline", "device"]].concat());
-    allowed.insert(
-        "cli",
-        [&CHAIN[..], &service[1..], &["synth", "jobs", "http", "worker"]].concat(),
-    );
+    allowed
+        .insert("cli", [&CHAIN[..], &service[1..], &["synth", "jobs", "http", "worker"]].concat());
     allowed
 }
 
@@ -101,9 +99,9 @@ fn every_import_follows_the_arrows() {
         if module == "main" || module == "lib" {
             continue;
         }
-        let may = allowed.get(module.as_str()).unwrap_or_else(|| {
-            panic!("{} is in no room of docs/architecture.md", path.display())
-        });
+        let may = allowed
+            .get(module.as_str())
+            .unwrap_or_else(|| panic!("{} is in no room of docs/architecture.md", path.display()));
         for name in named(&text) {
             // Lower-case names are modules; a module may always name itself.
             let is_module = allowed.contains_key(name.as_str());

@@ -178,8 +178,8 @@ fn patches(
                 maps[patch as usize] = Some((piece, flatten_triangle(a, b, c).to_vec()));
                 continue;
             }
-            if let Some(fit) = from_scratch(&piece.disk, bound, run)? {
-                maps[patch as usize] = Some((piece, fit.uv));
+            if let Some(uv) = from_scratch(&piece.disk, bound, run)? {
+                maps[patch as usize] = Some((piece, uv));
                 continue;
             }
             let pieces = halves(mesh, &faces[patch as usize]);

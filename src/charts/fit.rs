@@ -7,21 +7,9 @@ use crate::flatten::{self, Disk, SlimOptions, UvMap};
 /// Descent steps that a trial may take: a union that is far off after these is refused.
 const STEPS: u32 = 8;
 
-/// A map within the bound, proved injective.
-pub struct Fit {
-    /// The map.
-    pub uv: UvMap,
-    /// Its area-weighted mean symmetric Dirichlet energy, minus 1.
-    pub energy: f64,
-}
-
-/// Improve a map until it is within the bound; from scratch where it has flips.
-pub fn refine(
-    disk: &Disk,
-    warm: UvMap,
-    bound: f64,
-    run: &Run,
-) -> Result<Option<Fit>, Canceled> {
+/// Improve a map until it is within the bound (area-weighted mean symmetric Dirichlet energy, minus 1)
+/// and proved injective, from scratch where it has flips; `None` where that cannot be had.
+pub fn refine(disk: &Disk, warm: UvMap, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
     let warm = flatten::rescale(disk, warm);
     if flatten::quality(disk, &warm).flips > 0 {
         return from_scratch(disk, bound, run);
@@ -29,21 +17,25 @@ pub fn refine(
     descend(disk, warm, bound, run)
 }
 
-/// The best start map, improved until it is within the bound.
-pub fn from_scratch(disk: &Disk, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+/// The best start map, improved as [`refine`] does.
+pub fn from_scratch(disk: &Disk, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
     let (start, _) = flatten::start_map(disk);
     descend(disk, start, bound, run)
 }
 
-fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
     let mut uv = start;
     let mut quality = flatten::quality(disk, &uv);
     if quality.mean - 1.0 > bound {
-        let options = SlimOptions { iterations: STEPS, target: Some(1.0 + 0.9 * bound), ..Default::default() };
+        let options = SlimOptions {
+            iterations: STEPS,
+            target: Some(1.0 + 0.9 * bound),
+            ..Default::default()
+        };
         uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
         quality = flatten::quality(disk, &uv);
     }
     let energy = quality.mean - 1.0;
     let fits = energy <= bound && quality.flips == 0 && flatten::certify(disk, &uv).is_injective();
-    Ok(fits.then_some(Fit { uv, energy }))
+    Ok(fits.then_some(uv))
 }

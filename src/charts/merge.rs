@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use glam::{DMat2, DVec2};
 
 use super::cost::edge_cost;
-use super::fit::{Fit, refine};
+use super::fit::refine;
 use super::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
 
@@ -141,7 +141,8 @@ fn zips(work: &Patchwork, border: &[u32]) -> Vec<Vec<u32>> {
     for i in 0..n {
         let mut path = Vec::new();
         while 2 * (path.len() + 1) < n {
-            let (left, right) = (border[(i + n - path.len()) % n], border[(i + 1 + path.len()) % n]);
+            let (left, right) =
+                (border[(i + n - path.len()) % n], border[(i + 1 + path.len()) % n]);
             if twin(left) != right {
                 break;
             }
@@ -187,7 +188,7 @@ fn close(
         }
     }
     let warm = sum.into_iter().map(|(total, count)| total / count).collect();
-    let Some(Fit { uv, .. }) = refine(&piece.disk, warm, bound, run)? else {
+    let Some(uv) = refine(&piece.disk, warm, bound, run)? else {
         work.set_glued(path, false);
         return Ok(false);
     };

@@ -14,7 +14,9 @@ pub fn halves(mesh: &PartMesh, faces: &[u32]) -> Vec<Vec<u32>> {
     for (&f, &left) in faces.iter().zip(&by_normals) {
         in_left[f as usize] = left;
     }
-    mesh.components(faces, |h| in_left[h as usize / 3] == in_left[mesh.twin[h as usize] as usize / 3])
+    mesh.components(faces, |h| {
+        in_left[h as usize / 3] == in_left[mesh.twin[h as usize] as usize / 3]
+    })
 }
 
 /// Which side each face goes to; both sides have one.

@@ -155,7 +155,8 @@ fn least_eigenvector(m: DMat3) -> DVec3 {
     let least = (0..3).min_by(|&i, &j| a[i][i].total_cmp(&a[j][j])).unwrap_or(0);
     let e = DVec3::new(v[0][least], v[1][least], v[2][least]).normalize_or_zero();
     // One of the two directions, always the same.
-    let largest = [e.x, e.y, e.z].into_iter().fold(0.0, |b: f64, x| if x.abs() > b.abs() { x } else { b });
+    let largest =
+        [e.x, e.y, e.z].into_iter().fold(0.0, |b: f64, x| if x.abs() > b.abs() { x } else { b });
     if largest < 0.0 { -e } else { e }
 }
 

@@ -37,11 +37,8 @@ pub fn run(args: Args) -> Result<()> {
     let kind = MeshKind::detect(&bytes).ok_or_else(|| {
         anyhow!("{} is no GLB, glTF or OBJ file: convert it first", args.input.display())
     })?;
-    let options = UnwrapOptions {
-        segmentation: args.segmentation,
-        seed: args.seed,
-        ..Default::default()
-    };
+    let options =
+        UnwrapOptions { segmentation: args.segmentation, seed: args.seed, ..Default::default() };
     let (run, bar) = progress_bar::run(&options);
     let input = Input { bytes: &bytes, kind, labels: labels.as_deref() };
     let result = pipeline::segment_input(&input, &options, &Limits::default(), &run);
@@ -51,7 +48,10 @@ pub fn run(args: Args) -> Result<()> {
     std::fs::write(&args.output, text)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
     for part in &parts.parts {
-        eprintln!("{:>5}  {}  ({}, confidence {:.2})", part.id, part.name, part.source, part.confidence);
+        eprintln!(
+            "{:>5}  {}  ({}, confidence {:.2})",
+            part.id, part.name, part.source, part.confidence
+        );
     }
     Ok(())
 }

@@ -41,7 +41,9 @@ pub fn run(args: Args) -> Result<()> {
     if let Err(errors) = args.options.validate() {
         let lines: Vec<String> = errors
             .iter()
-            .map(|e| format!("--{} {}", e.pointer.trim_start_matches('/').replace('_', "-"), e.detail))
+            .map(|e| {
+                format!("--{} {}", e.pointer.trim_start_matches('/').replace('_', "-"), e.detail)
+            })
             .collect();
         bail!("{}", lines.join("\n"));
     }
@@ -56,8 +58,7 @@ pub fn run(args: Args) -> Result<()> {
     let device = device::choose(&args.device)?;
     let (run, bar) = progress_bar::run(&args.options);
     let input = Input { bytes: &bytes, kind, labels: labels.as_deref() };
-    let result =
-        pipeline::unwrap_input(&input, &args.options, &Limits::default(), &device, &run);
+    let result = pipeline::unwrap_input(&input, &args.options, &Limits::default(), &device, &run);
     bar.finish_and_clear();
     let unwrapped = result?;
     for artifact in unwrapped.artifacts() {

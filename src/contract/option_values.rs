@@ -129,7 +129,9 @@ impl<'de> Deserialize<'de> for Seed {
 impl FromStr for Seed {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {
-        s.parse().map(Self).map_err(|_| format!("expected an integer from 0 to 2^64 - 1, not {s:?}"))
+        s.parse()
+            .map(Self)
+            .map_err(|_| format!("expected an integer from 0 to 2^64 - 1, not {s:?}"))
     }
 }
 

@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{
-    AtlasGrouping, DoubleSided, LossForm, Quality, Seed, SegmentationSource, StopAfter,
-};
+use super::{AtlasGrouping, DoubleSided, LossForm, Quality, Seed, SegmentationSource, StopAfter};
 
 /// Everything that a job can be told. JSON and query keys are snake_case, flags kebab-case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema, Args)]
@@ -191,7 +189,9 @@ mod tests {
 
     #[test]
     fn json_round_trips_and_defaults_fill_in() {
-        let options = UnwrapOptions::from_json(&json!({"padding": 4, "seed": "18446744073709551615"})).unwrap();
+        let options =
+            UnwrapOptions::from_json(&json!({"padding": 4, "seed": "18446744073709551615"}))
+                .unwrap();
         assert_eq!(options.padding, 4);
         assert_eq!(options.seed.0, u64::MAX);
         let again = UnwrapOptions::from_json(&serde_json::to_value(&options).unwrap()).unwrap();
@@ -200,7 +200,8 @@ mod tests {
 
     #[test]
     fn every_wrong_key_is_named() {
-        let errors = UnwrapOptions::from_json(&json!({"paddign": 4, "steps": "many", "width": 64})).unwrap_err();
+        let errors = UnwrapOptions::from_json(&json!({"paddign": 4, "steps": "many", "width": 64}))
+            .unwrap_err();
         let pointers: Vec<_> = errors.iter().map(|e| e.pointer.as_str()).collect();
         assert_eq!(pointers, ["/paddign", "/steps"]);
         let errors = UnwrapOptions::from_json(&json!({"padding": 65, "page_size": 1})).unwrap_err();

@@ -8,7 +8,7 @@
 
 use glam::DVec2;
 
-use super::injective::{count_flips, is_positive, is_simple};
+use super::injective::{is_positive, is_simple};
 use super::jacobian::{
     quality, rescale, rescale_optimally, symmetric_dirichlet, symmetric_dirichlet_gradient,
 };
@@ -224,6 +224,7 @@ fn boundary_is_simple(border: &Border, uv: &[DVec2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flatten::count_flips;
     use crate::flatten::{certify, lscm, samples, start_map, tutte};
     use glam::DVec3;
     use proptest::prelude::*;

@@ -47,13 +47,20 @@ impl EdgeGroups {
     }
 }
 
+/// What pairing looks at besides the edges: one entry a face each.
+pub struct FaceTraits<'a> {
+    /// Unit normals.
+    pub normals: &'a [DVec3],
+    /// Connected component within the primitive.
+    pub components: &'a [u32],
+    /// Faces that were turned over. A turned face pairs only with turned faces, so that no chart
+    /// holds both windings of the file; empty where that would shatter the mesh.
+    pub turned: &'a [bool],
+}
+
 /// The twin of every half-edge, [`NONE`] where there is none.
-pub fn pair(
-    triangles: &[[u32; 3]],
-    normals: &[DVec3],
-    components: &[u32],
-    groups: &EdgeGroups,
-) -> Vec<u32> {
+pub fn pair(triangles: &[[u32; 3]], faces: &FaceTraits, groups: &EdgeGroups) -> Vec<u32> {
+    let &FaceTraits { normals, components, turned } = faces;
     let mut twin = vec![NONE; 3 * triangles.len()];
     let forward = |h: u32| {
         let (f, k) = (h as usize / 3, h as usize % 3);
@@ -67,7 +74,8 @@ pub fn pair(
             for (j, &b) in back.iter().enumerate() {
                 let (f, g) = (a as usize / 3, b as usize / 3);
                 let cosine = normals[f].dot(normals[g]);
-                if cosine > FOLDED && f != g {
+                let one_winding = turned.is_empty() || turned[f] == turned[g];
+                if cosine > FOLDED && f != g && one_winding {
                     // The same component first, then the flattest; among equals (faces that stand
                     // twice with one winding) the layers keep their order. The cosine is rounded so
                     // that equal layers compare equal.

@@ -36,8 +36,8 @@ pub fn weld(positions: &[DVec3], origin: DVec3, tolerance: f64) -> (Vec<u32>, Ve
                 for j in y.0..=y.1 {
                     for k in z.0..=z.1 {
                         for &v in cells.get(&[i, j, k]).map_or(&[][..], Vec::as_slice) {
-                            let close = vertices[v as usize].distance_squared(p)
-                                <= tolerance * tolerance;
+                            let close =
+                                vertices[v as usize].distance_squared(p) <= tolerance * tolerance;
                             if close && found.is_none_or(|f| v < f) {
                                 found = Some(v);
                             }
@@ -48,10 +48,7 @@ pub fn weld(positions: &[DVec3], origin: DVec3, tolerance: f64) -> (Vec<u32>, Ve
             found.unwrap_or_else(|| {
                 let id = vertices.len() as u32;
                 vertices.push(p);
-                cells
-                    .entry([home.x as i64, home.y as i64, home.z as i64])
-                    .or_default()
-                    .push(id);
+                cells.entry([home.x as i64, home.y as i64, home.z as i64]).or_default().push(id);
                 id
             })
         })

@@ -130,8 +130,7 @@ impl<'a> Group<'a> {
         let mut fresh = false;
         for i in 0..self.charts.len() {
             let chart = &self.charts[i];
-            let last = chart.steps == self.options.steps;
-            if chart.is_sampled() && !chart.broken && (last || chart.steps % RESAMPLE == 0) {
+            if chart.is_sampled() && !chart.is_finished() && chart.steps % RESAMPLE == 0 {
                 self.consider_whole(i)?;
                 self.charts[i].resample();
                 fresh = true;

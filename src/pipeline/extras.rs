@@ -12,9 +12,9 @@ pub fn block(found: &Found, chart_of: &[u32]) -> Value {
         .parts
         .parts
         .iter()
-        .map(|p| {
-            json!({"id": p.id, "name": p.name, "source": p.source, "confidence": p.confidence})
-        })
+        .map(
+            |p| json!({"id": p.id, "name": p.name, "source": p.source, "confidence": p.confidence}),
+        )
         .collect();
     json!({
         "engine": env!("CARGO_PKG_VERSION"),

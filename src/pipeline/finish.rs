@@ -80,16 +80,14 @@ fn place(
     for (i, mapped) in charts.iter().enumerate() {
         groups.entry(found.page_of_region[mapped.chart.part as usize]).or_default().push(i);
     }
-    let packing = PackOptions {
-        page_size: options.page_size,
-        padding: options.padding,
-        weights: Vec::new(),
-    };
+    let packing =
+        PackOptions { page_size: options.page_size, padding: options.padding, weights: Vec::new() };
     let mut page_of = vec![0; charts.len()];
     let mut placed: Vec<UvMap> = vec![UvMap::new(); charts.len()];
     let mut pages = 0;
     for members in groups.values() {
-        let input: Vec<_> = members.iter().map(|&i| (&charts[i].chart.disk, &charts[i].uv)).collect();
+        let input: Vec<_> =
+            members.iter().map(|&i| (&charts[i].chart.disk, &charts[i].uv)).collect();
         let atlas = atlas::pack(&input, &packing, &run.cancel)?;
         for ((&i, placement), uv) in members.iter().zip(&atlas.placements).zip(atlas.uvs) {
             page_of[i] = pages + placement.page;
@@ -120,7 +118,9 @@ fn place(
 fn classical(mapped: Mapped) -> Result<Vec<Mapped>, UnwrapError> {
     let chart = mapped.chart;
     let islands = flatten::unwrap_classically(&chart.disk.positions, &chart.disk.triangles)
-        .map_err(|error| UnwrapError::Internal(format!("the classical unwrapper failed: {error}")))?;
+        .map_err(|error| {
+            UnwrapError::Internal(format!("the classical unwrapper failed: {error}"))
+        })?;
     let island = |island: flatten::Island| {
         let vertices = island.vertices.iter().map(|&v| chart.vertices[v as usize]).collect();
         let chart = Chart {

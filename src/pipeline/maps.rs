@@ -10,9 +10,7 @@ use super::error::UnwrapError;
 use super::neural;
 use super::parts::Found;
 use crate::charts::Chart;
-use crate::contract::{
-    Canceled, ChartForm, NeuralGain, Progress, Run, Stage, UnwrapOptions,
-};
+use crate::contract::{Canceled, ChartForm, NeuralGain, Progress, Run, Stage, UnwrapOptions};
 use crate::device::Device;
 use crate::flatten::{self, Disk, SlimOptions, UvMap};
 use crate::parameterization::{self, TrainOptions, TrainedChart};
@@ -138,16 +136,14 @@ fn polish(chart: Chart, net: Option<TrainedChart>, run: &Run) -> Result<Mapped, 
     };
     let control = descend(disk, from, run)?;
     let mut arms = vec![(energy(&control), ChartForm::Start, control)];
-    let mut gain = NeuralGain {
-        start: Some(start.mean),
-        start_polish: Some(arms[0].0),
-        ..Default::default()
-    };
+    let mut gain =
+        NeuralGain { start: Some(start.mean), start_polish: Some(arms[0].0), ..Default::default() };
     let (mut steps, mut chamfer) = (0, None);
     if let Some(net) = net {
         (steps, chamfer) = (net.steps, net.chamfer);
         gain.net = Some(energy(&net.uv));
-        if flatten::quality(disk, &net.uv).flips == 0 {
+        // A network that found nothing better than its start has no arm of its own.
+        if net.improved {
             let polished = descend(disk, &net.uv, run)?;
             let reached = energy(&polished);
             gain.net_polish = Some(reached);

@@ -128,9 +128,8 @@ fn measured<'a>(found: &'a Found, faces: &'a Faces, charts: usize) -> Measured<'
 /// Metrics without charts.
 fn empty(found: &Found, device: &Device, run: &Run, clock: &mut Clock, steps: u32) -> Metrics {
     let degraded = run.budget.degraded();
-    let sentence = |stage: &Stage| {
-        format!("{}: the clock ran out, a cheaper form was taken", stage.as_str())
-    };
+    let sentence =
+        |stage: &Stage| format!("{}: the clock ran out, a cheaper form was taken", stage.as_str());
     Metrics {
         schema: SCHEMA,
         deterministic: degraded.is_empty(),
@@ -176,8 +175,8 @@ fn parts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<P
 
 fn charts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<ChartMetrics> {
     let rows = finished.charts.iter().zip(&figures.charts).zip(&finished.certificates.charts);
-    let chart = |(id, ((m, figures), proof)): (usize, ((&Mapped, &Figures), &Certificate))| {
-        ChartMetrics {
+    let chart =
+        |(id, ((m, figures), proof)): (usize, ((&Mapped, &Figures), &Certificate))| ChartMetrics {
             id: id as u32,
             part: found.part_of_region[m.chart.part as usize],
             faces: m.chart.faces.len() as u64,
@@ -189,8 +188,7 @@ fn charts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<
             neural_gain: m.gain,
             certificate: proof.clone(),
             figures: figures.clone(),
-        }
-    };
+        };
     rows.enumerate().map(chart).collect()
 }
 

@@ -44,7 +44,10 @@ impl Unwrapped {
             m.atlas.charts,
             m.device,
             if m.atlas.certificate.valid { "valid" } else { "NOT VALID: see the certificate" },
-            m.atlas.figures.seam_length.map_or("–".to_owned(), |s| format!("{:.2}", s.per_sqrt_area)),
+            m.atlas
+                .figures
+                .seam_length
+                .map_or("–".to_owned(), |s| format!("{:.2}", s.per_sqrt_area)),
             number(m.atlas.figures.symmetric_dirichlet),
             100.0 * m.atlas.packing_efficiency.covered,
             m.cost.wall_s,

@@ -86,7 +86,8 @@ impl Grid {
 
     fn bucket(&self, cell: [i64; 3]) -> usize {
         const ODD: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xC2B2_AE3D_27D4_EB4F, 0x1656_67B1_9E37_79F9];
-        let mixed = (0..3).fold(0u64, |h, a| (h ^ cell[a] as u64).wrapping_mul(ODD[a]).rotate_left(29));
+        let mixed =
+            (0..3).fold(0u64, |h, a| (h ^ cell[a] as u64).wrapping_mul(ODD[a]).rotate_left(29));
         ((mixed ^ (mixed >> 31)) & self.mask) as usize
     }
 

@@ -13,11 +13,7 @@ const CANDIDATES: usize = 8;
 
 /// Indices of `count` points (all of them if there are fewer), each the farthest from those before
 /// it. The first is the one farthest from the centre of the cloud.
-pub fn farthest_points(
-    cloud: &PointCloud,
-    count: usize,
-    run: &Run,
-) -> Result<Vec<u32>, Canceled> {
+pub fn farthest_points(cloud: &PointCloud, count: usize, run: &Run) -> Result<Vec<u32>, Canceled> {
     let total = cloud.len();
     if count >= total {
         return Ok((0..total as u32).collect());

@@ -94,8 +94,9 @@ impl EdgeField {
             }
         }
         let sources = (0u32..).zip(&source).filter(|(_, s)| **s > 0.0);
-        let mut queue: BinaryHeap<Reached> =
-            sources.map(|(vertex, &strength)| Reached { distance: 0.0, vertex, strength }).collect();
+        let mut queue: BinaryHeap<Reached> = sources
+            .map(|(vertex, &strength)| Reached { distance: 0.0, vertex, strength })
+            .collect();
         if queue.is_empty() {
             return Ok(());
         }
@@ -146,7 +147,8 @@ impl EdgeField {
 }
 
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
-    let along = ((p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    let along =
+        ((p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     p.distance(a + (b - a) * along)
 }
 

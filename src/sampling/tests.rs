@@ -32,9 +32,12 @@ pub(crate) fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surfac
         reversed: vec![false; n],
         sheet_mate: vec![NONE; n],
         origins: vec![Default::default(); n],
-        diagonal: positions.iter().copied().reduce(DVec3::max).unwrap().distance(
-            positions.iter().copied().reduce(DVec3::min).unwrap(),
-        ),
+        diagonal: positions
+            .iter()
+            .copied()
+            .reduce(DVec3::max)
+            .unwrap()
+            .distance(positions.iter().copied().reduce(DVec3::min).unwrap()),
         names: vec![String::new()],
         positions,
         triangles,
@@ -116,8 +119,7 @@ fn extra_points_keep_their_distance() {
     let s = folded(8, 0.5);
     let faces: Vec<u32> = (0..s.face_count() as u32).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let (cloud, radius) =
-        blue_noise::scatter(&s, &faces, 3000, &mut rng, &Run::quiet()).unwrap();
+    let (cloud, radius) = blue_noise::scatter(&s, &faces, 3000, &mut rng, &Run::quiet()).unwrap();
     assert!(cloud.len() > 2600, "{} points landed", cloud.len());
     for (i, p) in cloud.positions.iter().enumerate() {
         for q in &cloud.positions[..i] {

@@ -35,10 +35,9 @@ impl SegmentationError {
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Canceled(_) => ErrorCode::Internal,
-            Self::NoLabels
-            | Self::WrongCount { .. }
-            | Self::NoneKnown
-            | Self::NotInThisVersion => ErrorCode::InvalidOption,
+            Self::NoLabels | Self::WrongCount { .. } | Self::NoneKnown | Self::NotInThisVersion => {
+                ErrorCode::InvalidOption
+            }
         }
     }
 }

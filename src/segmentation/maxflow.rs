@@ -71,7 +71,8 @@ impl Flow {
         let mut v = source;
         loop {
             if v == sink {
-                let least = path.iter().map(|&e| self.capacity[e as usize]).fold(f64::MAX, f64::min);
+                let least =
+                    path.iter().map(|&e| self.capacity[e as usize]).fold(f64::MAX, f64::min);
                 for &e in &path {
                     self.capacity[e as usize] -= least;
                     self.capacity[(e ^ 1) as usize] += least;
@@ -109,7 +110,8 @@ mod tests {
     fn the_cut_goes_through_the_bottleneck() {
         // 0 → {1, 2} → 3 → {4, 5}: the bridge 3 → 4 and 3 → 5 is narrower than what feeds it.
         let mut flow = Flow::new(6);
-        for (a, b, c) in [(0, 1, 3.0), (0, 2, 3.0), (1, 3, 3.0), (2, 3, 3.0), (3, 4, 1.0), (4, 5, 9.0)]
+        for (a, b, c) in
+            [(0, 1, 3.0), (0, 2, 3.0), (1, 3, 3.0), (2, 3, 3.0), (3, 4, 1.0), (4, 5, 9.0)]
         {
             flow.edge(a, b, c, 0.0);
         }

@@ -76,9 +76,8 @@ impl Plan {
     }
 
     fn seat_solid(&self, detail: Detail) -> Solid {
-        let place = |u: f64, v: f64, depth: f64| {
-            self.seat_point(squircle(u, v, self.roundness), depth)
-        };
+        let place =
+            |u: f64, v: f64, depth: f64| self.seat_point(squircle(u, v, self.roundness), depth);
         let rims = [Rim { rise: 0.22, out: 0.007 }, Rim { rise: 0.72, out: 0.009 }];
         let n = detail.of(7.0, 4);
         slab([n, n], |u, v| place(u, v, 0.0), |u, v| place(u, v, 1.0), &rims)

@@ -47,8 +47,9 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let closed_y = base_height + 0.004;
     let lid = plate(x, z, lid_height, corner, cells).shifted(DVec3::new(0.0, closed_y, 0.0));
     parts.push(SynthPart::new("lid", open(lid)));
-    let display = bevelled_box(DVec3::new(0.90 * x, 0.0010, 0.84 * z), 0.0004, [cells[0], 1, cells[1]])
-        .shifted(DVec3::new(0.0, closed_y, 0.02 * z));
+    let display =
+        bevelled_box(DVec3::new(0.90 * x, 0.0010, 0.84 * z), 0.0004, [cells[0], 1, cells[1]])
+            .shifted(DVec3::new(0.0, closed_y, 0.02 * z));
     parts.push(SynthPart::new("display", open(display)));
 
     for (i, side) in [-1.0, 1.0].into_iter().enumerate() {

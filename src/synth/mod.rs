@@ -172,7 +172,11 @@ fn with_triangles(kind: SynthKind, seed: u64, wanted: usize) -> Vec<SynthPart> {
         let middle = (low * high).sqrt();
         let made = parts(kind, seed, Detail(middle));
         let n = count(&made);
-        if n > wanted { high = middle } else { low = middle }
+        if n > wanted {
+            high = middle
+        } else {
+            low = middle
+        }
         if n.abs_diff(wanted) < count(&best).abs_diff(wanted) {
             best = made;
         }

@@ -19,7 +19,9 @@ pub(super) struct Shaded {
 pub(super) fn shade(positions: &[DVec3], triangles: &[[u32; 3]]) -> Shaded {
     let corner = |f: usize, k: usize| positions[triangles[f][k] as usize];
     let normals: Vec<DVec3> = (0..triangles.len())
-        .map(|f| (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).normalize_or_zero())
+        .map(|f| {
+            (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).normalize_or_zero()
+        })
         .collect();
     let mut across: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (f, t) in triangles.iter().enumerate() {

@@ -82,8 +82,9 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
         parts.push(SynthPart::new(format!("hanger_{}", i + 1), hanger));
 
         let length = 2.0 * (track + 0.021);
-        let axle = across(cylinder(0.0042, length, 0.0008, detail.of(6.0, 6), detail.of(3.0, 1)), length)
-            .shifted(DVec3::new(x, axle_y, 0.0));
+        let axle =
+            across(cylinder(0.0042, length, 0.0008, detail.of(6.0, 6), detail.of(3.0, 1)), length)
+                .shifted(DVec3::new(x, axle_y, 0.0));
         parts.push(SynthPart::new(format!("axle_{}", i + 1), axle));
 
         for side in [-1.0, 1.0] {

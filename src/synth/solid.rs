@@ -47,7 +47,11 @@ impl Solid {
 
     /// Six times the signed volume; positive when wound outwards.
     fn volume6(&self) -> f64 {
-        self.triangles.iter().map(|t| t.map(|v| self.at(v))).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+        self.triangles
+            .iter()
+            .map(|t| t.map(|v| self.at(v)))
+            .map(|[a, b, c]| a.dot(b.cross(c)))
+            .sum()
     }
 
     fn wound_outwards(mut self) -> Self {
@@ -204,9 +208,8 @@ pub(super) fn slab(
         let n = line.len();
         // The lattice may be of either hand: twice the area that the outline encloses tells.
         let up = |j: usize| (s.at(head[j]) - s.at(foot[j])).normalize_or(DVec3::Y);
-        let turn: f64 = (0..n)
-            .map(|j| (line[j] - line[0]).cross(line[(j + 1) % n] - line[0]).dot(up(j)))
-            .sum();
+        let turn: f64 =
+            (0..n).map(|j| (line[j] - line[0]).cross(line[(j + 1) % n] - line[0]).dot(up(j))).sum();
         let out = rim.out * turn.signum();
         let points: Vec<DVec3> = (0..n)
             .map(|j| {

@@ -17,11 +17,7 @@ struct Grid {
 }
 
 /// Quads around the union, wound outwards, one closed piece; vertices at the cells' middles.
-pub(super) fn surface(
-    parts: &Parts,
-    near: &Near,
-    spacing: f64,
-) -> (Vec<DVec3>, Vec<[u32; 4]>) {
+pub(super) fn surface(parts: &Parts, near: &Near, spacing: f64) -> (Vec<DVec3>, Vec<[u32; 4]>) {
     let mut grid = Grid::sample(parts, near, spacing);
     grid.keep_largest();
     grid.compose_well();
@@ -131,9 +127,8 @@ impl Grid {
                 // Two opposite corners alone.
                 for c in 0..4 {
                     let odd = set(c, &self.inside);
-                    let alone = (0..8).all(|d| {
-                        (set(d, &self.inside) == odd) == (d == c || d == 7 - c)
-                    });
+                    let alone =
+                        (0..8).all(|d| (set(d, &self.inside) == odd) == (d == c || d == 7 - c));
                     if alone {
                         let add = if odd { c ^ 1 } else { c };
                         self.inside[base + block[add]] = true;

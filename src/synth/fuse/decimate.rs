@@ -141,7 +141,8 @@ fn collapse(
         {
             continue;
         }
-        let around = fans[u as usize].iter().chain(&fans[v as usize]).map(|&f| triangles[f as usize]);
+        let around =
+            fans[u as usize].iter().chain(&fans[v as usize]).map(|&f| triangles[f as usize]);
         let kept: Vec<[u32; 3]> = around.filter(|t| !(t.contains(&u) && t.contains(&v))).collect();
         let before: Vec<(DVec3, f64)> =
             kept.iter().map(|t| (normal(positions, t), angle(positions, t))).collect();
@@ -149,9 +150,10 @@ fn collapse(
         let (old_u, old_v) = (positions[u as usize], positions[v as usize]);
         positions[u as usize] = at;
         positions[v as usize] = at;
-        let sound = kept.iter().zip(&before).all(|(t, (n, _))| {
-            n.dot(normal(positions, t)) > TURN && angle(positions, t) >= worst
-        });
+        let sound = kept
+            .iter()
+            .zip(&before)
+            .all(|(t, (n, _))| n.dot(normal(positions, t)) > TURN && angle(positions, t) >= worst);
         if !sound {
             positions[u as usize] = old_u;
             positions[v as usize] = old_v;

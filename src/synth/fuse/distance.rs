@@ -43,9 +43,8 @@ impl Parts {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (number, part) in (0u32..).zip(parts) {
             let at = |v: u32| part.positions[v as usize];
-            let normal = |t: &[u32; 3]| {
-                (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalize_or_zero()
-            };
+            let normal =
+                |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalize_or_zero();
             let mut vertices = vec![DVec3::ZERO; part.positions.len()];
             let mut edges: BTreeMap<(u32, u32), DVec3> = BTreeMap::new();
             for t in &part.triangles {
