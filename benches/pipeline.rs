@@ -28,6 +28,10 @@ fn fast(bencher: divan::Bencher, sample: &str) {
     job(bencher, sample, Quality::Fast);
 }
 
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

@@ -62,6 +62,10 @@ fn twenty_steps_of_8_charts_of_512_points(bencher: divan::Bencher, form: LossFor
     });
 }
 
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

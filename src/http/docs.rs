@@ -169,7 +169,8 @@ mod tests {
             "/readyz",
         ];
         let mut paths: Vec<&str> = paths.iter().map(String::as_str).collect();
-        (paths.sort_unstable(), want.sort_unstable());
+        paths.sort_unstable();
+        want.sort_unstable();
         assert_eq!(paths, want);
     }
 

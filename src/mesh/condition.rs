@@ -33,16 +33,21 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         }
     }
     let (low, diagonal) = extent(&soup, &raw);
-    let (ids, positions) = weld::weld(&soup, low, weld::TOLERANCE * diagonal);
+    let (ids, mut positions) = weld::weld(&soup, low, weld::TOLERANCE * diagonal);
     run.cancel.check()?;
     let mut triangles: Vec<[u32; 3]> = raw.iter().map(|t| t.map(|v| ids[v as usize])).collect();
 
+    // A sliver that welding alone would flatten stands apart, on vertices of its own.
+    for (t, corners) in triangles.iter_mut().zip(&raw) {
+        let own = corners.map(|v| soup[v as usize]);
+        if has_area(own, diagonal) && !has_area(t.map(|v| positions[v as usize]), diagonal) {
+            *t = [0, 1, 2].map(|k| (positions.len() + k) as u32);
+            positions.extend(own);
+        }
+    }
     let measured = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| positions[v as usize]);
-        let cross = (b - a).cross(c - a);
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        let usable = cross.length() > FLAT * diagonal * longest && cross.length() > 0.0;
-        (usable, cross)
+        (has_area([a, b, c], diagonal), (b - a).cross(c - a))
     };
     let usable: Vec<bool> = triangles.iter().map(|t| measured(t).0).collect();
     let area = |t: &[u32; 3]| {
@@ -110,6 +115,13 @@ fn seams_at_turned_faces(groups: &EdgeGroups, reversed: &[bool]) -> bool {
     let pairs = || groups.iter().filter(|g| g.len() == 2);
     let differ = |g: &&[u32]| reversed[g[0] as usize / 3] != reversed[g[1] as usize / 3];
     pairs().filter(differ).count() as f64 <= TURNED_EDGES * pairs().count() as f64
+}
+
+/// Whether a triangle is higher than the least height that counts.
+fn has_area([a, b, c]: [DVec3; 3], diagonal: f64) -> bool {
+    let twice = (b - a).cross(c - a).length();
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    twice > FLAT * diagonal * longest && twice > 0.0
 }
 
 /// Lowest corner and diagonal of the box around all vertices that a face uses.
@@ -266,6 +278,15 @@ mod tests {
         let s = conditioned(&QUAD, &[[0, 1, 2], [0, 2, 3], [0, 0, 1]]);
         assert_eq!(s.usable, [true, true, false]);
         assert_eq!(s.repairs.zero_area_faces, 1);
+    }
+
+    #[test]
+    fn a_sliver_that_welding_would_flatten_stands_apart() {
+        let mut p = QUAD.to_vec();
+        p.push([1., 1. + 1e-6, 0.]);
+        let s = conditioned(&p, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
+        assert_eq!(s.usable, [true, true, true]);
+        assert!(s.twin[6..].iter().all(|&t| t == NONE));
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub(super) fn free_scale(disk: &Disk, uv: &[DVec2], gradient: &mut [DVec2]) {
     let growth: f64 = gradient.iter().zip(uv).map(|(g, u)| g.dot(*u)).sum();
     let areas = || (0..disk.triangles.len()).filter(|&f| disk.areas[f] > 0.0);
     let total: f64 = areas().map(|f| disk.uv_area(f, uv).abs()).sum();
-    if !(total > 0.0) {
+    if total <= 0.0 || total.is_nan() {
         return;
     }
     // ∇s/s = ∇Σ|A_uv| / (2 Σ|A_uv|), and the gradient of an area by a corner is half the opposite

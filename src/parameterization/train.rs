@@ -130,7 +130,7 @@ impl<'a> Group<'a> {
         let mut fresh = false;
         for i in 0..self.charts.len() {
             let chart = &self.charts[i];
-            if chart.is_sampled() && !chart.is_finished() && chart.steps % RESAMPLE == 0 {
+            if chart.is_sampled() && !chart.is_finished() && chart.steps.is_multiple_of(RESAMPLE) {
                 self.consider_whole(i)?;
                 self.charts[i].resample();
                 fresh = true;

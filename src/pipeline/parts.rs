@@ -33,7 +33,7 @@ pub struct Found {
 /// Refuse a scene that cannot fit the job's memory, before it is tried.
 pub fn check_memory(scene: &Scene, options: &UnwrapOptions) -> Result<(), UnwrapError> {
     let faces = scene.face_count() as u64;
-    let need = faces * BYTES_PER_FACE >> 20;
+    let need = (faces * BYTES_PER_FACE) >> 20;
     if need > options.budget_mib {
         return Err(UnwrapError::OutOfMemory(format!(
             "{faces} triangles need about {need} MiB and the job may use {} MiB: raise budget_mib, \

@@ -23,7 +23,7 @@ impl Votes {
             .filter(|((label, _), _)| **label >= 0)
             .map(|((&label, &weight), &face)| (face, label, f64::from(weight)))
             .collect();
-        cast.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+        cast.sort_by_key(|a| (a.0, a.1));
         let mut starts = vec![0u32; surface.face_count() + 1];
         let mut shares: Vec<(i32, f64)> = Vec::new();
         let mean = surface.area() / surface.face_count().max(1) as f64;

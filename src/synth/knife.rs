@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Solid, cylinder, skin};
+use super::solid::{Cap, Detail, Solid, cylinder, skin};
 
 /// The blade from x = `start` to its point: flat sides down to the bevel line, then the bevel.
 fn blade(start: f64, length: f64, height: f64, detail: Detail) -> Solid {
@@ -42,7 +42,7 @@ fn blade(start: f64, length: f64, height: f64, detail: Detail) -> Solid {
         rings.push(ring);
     }
     rings.push(vec![DVec3::new(start + length, -0.055 * height, 0.0)]);
-    skin(&rings)
+    skin(&rings, Cap::Ladder)
 }
 
 /// A solid along x with elliptic cross-sections: (x, centre y, half height, half width).
@@ -54,7 +54,7 @@ fn elliptic(sections: &[(f64, f64, f64, f64)], sides: usize) -> Solid {
         };
         (0..sides).map(point).collect()
     };
-    skin(&sections.iter().map(ring).collect::<Vec<_>>())
+    skin(&sections.iter().map(ring).collect::<Vec<_>>(), Cap::Fan)
 }
 
 pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
@@ -98,7 +98,7 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     for i in 0..rivets {
         let t = (i as f64 + 0.7) / (rivets as f64 + 0.4);
         let half = 0.0092 + 0.0018 * (t * FRAC_PI_2 * 2.0).sin();
-        let rivet = cylinder(0.0036, 2.0 * half, 0.0007, detail.of(8.0, 6), 1)
+        let rivet = cylinder(0.0036, 2.0 * half, 0.0007, detail.of(8.0, 6), detail.of(1.5, 1))
             .shifted(DVec3::new(0.0, -half, 0.0))
             .map(|p| DQuat::from_rotation_x(FRAC_PI_2) * p)
             .shifted(DVec3::new(-0.014 - handle * t, -0.006 * swell * t * t, 0.0));

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, bevelled_box, cylinder, slab};
+use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, cylinder, slab};
 
 /// A plate on y = 0 with round corners and a softened rim, of half sizes `x` and `z`.
 fn plate(x: f64, z: f64, thickness: f64, corner: f64, cells: [usize; 2]) -> Solid {
@@ -47,9 +47,11 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let closed_y = base_height + 0.004;
     let lid = plate(x, z, lid_height, corner, cells).shifted(DVec3::new(0.0, closed_y, 0.0));
     parts.push(SynthPart::new("lid", open(lid)));
-    let display =
-        bevelled_box(DVec3::new(0.90 * x, 0.0010, 0.84 * z), 0.0004, [cells[0], 1, cells[1]])
-            .shifted(DVec3::new(0.0, closed_y, 0.02 * z));
+    let display = board(DVec3::new(0.90 * x, 0.0010, 0.84 * z), cells).shifted(DVec3::new(
+        0.0,
+        closed_y,
+        0.02 * z,
+    ));
     parts.push(SynthPart::new("display", open(display)));
 
     for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
@@ -63,7 +65,7 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
 
     let (deck_x, deck_z) = (0.86 * x, 0.46 * z);
     let deck_at = DVec3::new(0.0, base_height, -0.36 * z);
-    let deck = bevelled_box(DVec3::new(deck_x, 0.0012, deck_z), 0.0005, [detail.of(4.0, 3), 1, 2]);
+    let deck = board(DVec3::new(deck_x, 0.0012, deck_z), [detail.of(7.0, 5), detail.of(3.0, 2)]);
     parts.push(SynthPart::new("keyboard", deck.shifted(deck_at)));
     let pitch = (2.0 * deck_x / columns as f64, 2.0 * deck_z / rows as f64);
     for row in 0..rows {
@@ -87,7 +89,7 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
         }
     }
 
-    let pad = bevelled_box(DVec3::new(0.30 * x, 0.0010, 0.24 * z), 0.0004, [3, 1, 3]);
+    let pad = board(DVec3::new(0.30 * x, 0.0010, 0.24 * z), [detail.of(3.0, 3), detail.of(2.0, 2)]);
     parts.push(SynthPart::new("touchpad", pad.shifted(DVec3::new(0.0, base_height, 0.56 * z))));
     parts
 }

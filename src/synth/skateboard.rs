@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, Solid, bevelled_box, cylinder, lathe, slab, squircle};
+use super::solid::{Detail, Rim, Solid, board, cylinder, lathe, slab, squircle};
 
 /// Share of the half length at which the rounded, upturned ends begin.
 const END: f64 = 0.66;
@@ -62,7 +62,7 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let mut numbers = (1, 1);
     for (i, end) in [-1.0, 1.0].into_iter().enumerate() {
         let x = end * 0.54 * plan.half_length;
-        let plate = bevelled_box(DVec3::new(0.042, 0.006, 0.027), 0.0015, [1, 1, 1])
+        let plate = board(DVec3::new(0.042, 0.006, 0.027), [detail.of(2.0, 2), detail.of(1.5, 1)])
             .shifted(DVec3::new(x, under - 0.003, 0.0));
         parts.push(SynthPart::new(format!("base_plate_{}", i + 1), plate));
 
@@ -83,7 +83,7 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
 
         let length = 2.0 * (track + 0.021);
         let axle =
-            across(cylinder(0.0042, length, 0.0008, detail.of(6.0, 6), detail.of(3.0, 1)), length)
+            across(cylinder(0.0042, length, 0.0, detail.of(4.0, 6), detail.of(9.0, 4)), length)
                 .shifted(DVec3::new(x, axle_y, 0.0));
         parts.push(SynthPart::new(format!("axle_{}", i + 1), axle));
 

@@ -45,6 +45,29 @@ impl Solid {
         }
     }
 
+    /// Fill a ring that turns counter-clockwise.
+    fn close(&mut self, ring: &[u32], cap: Cap) {
+        match cap {
+            Cap::Fan => {
+                let sum: DVec3 = ring.iter().map(|&v| self.at(v)).sum();
+                let centre = self.vertex(sum / ring.len() as f64);
+                for j in 0..ring.len() {
+                    self.triangles.push([centre, ring[j], ring[(j + 1) % ring.len()]]);
+                }
+            }
+            Cap::Ladder => {
+                let (mut a, mut b) = (0, ring.len() - 1);
+                while b > a + 2 {
+                    self.quad([ring[a], ring[a + 1], ring[b - 1], ring[b]]);
+                    (a, b) = (a + 1, b - 1);
+                }
+                if b == a + 2 {
+                    self.triangles.push([ring[a], ring[a + 1], ring[b]]);
+                }
+            }
+        }
+    }
+
     /// Six times the signed volume; positive when wound outwards.
     fn volume6(&self) -> f64 {
         self.triangles
@@ -89,12 +112,21 @@ pub(super) fn smallest_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b))
 }
 
+/// How the ends of a skin are closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Cap {
+    /// Triangles about the middle: for round rings.
+    Fan,
+    /// Rungs from the first half of the ring to the second: for narrow rings.
+    Ladder,
+}
+
 /// The surface through a sequence of rings with the same number of points, each turning
 /// counter-clockwise about the way of travel. A ring of one point is a pole; an end that is no pole
 /// gets a flat cap.
-pub(super) fn skin(rings: &[Vec<DVec3>]) -> Solid {
+pub(super) fn skin(rings: &[Vec<DVec3>], cap: Cap) -> Solid {
     let mut s = Solid::default();
-    let ids: Vec<Vec<u32>> =
+    let mut ids: Vec<Vec<u32>> =
         rings.iter().map(|r| r.iter().map(|&p| s.vertex(p)).collect()).collect();
     for pair in ids.windows(2) {
         let (a, b) = (&pair[0], &pair[1]);
@@ -108,14 +140,12 @@ pub(super) fn skin(rings: &[Vec<DVec3>]) -> Solid {
             }
         }
     }
-    for (end, first) in [(ids.first(), true), (ids.last(), false)] {
-        let Some(ring) = end.filter(|r| r.len() > 1) else { continue };
-        let middle = ring.iter().map(|&v| s.at(v)).sum::<DVec3>() / ring.len() as f64;
-        let centre = s.vertex(middle);
-        for j in 0..ring.len() {
-            let (p, q) = (ring[j], ring[(j + 1) % ring.len()]);
-            s.triangles.push(if first { [centre, q, p] } else { [centre, p, q] });
-        }
+    // The first end is seen from the other side.
+    if let Some(first) = ids.first_mut() {
+        first.reverse();
+    }
+    for ring in [ids.first(), ids.last()].into_iter().flatten().filter(|r| r.len() > 1) {
+        s.close(ring, cap);
     }
     s.wound_outwards()
 }
@@ -133,7 +163,7 @@ pub(super) fn lathe(profile: &[DVec2], sides: usize) -> Solid {
         };
         (0..sides).map(point).collect()
     };
-    skin(&profile.iter().map(ring).collect::<Vec<_>>())
+    skin(&profile.iter().map(ring).collect::<Vec<_>>(), Cap::Fan)
 }
 
 /// A cylinder on the y axis from height 0, its rims bevelled by `bevel` (0: sharp), with `segments`
@@ -235,18 +265,11 @@ fn miter(before: DVec3, p: DVec3, after: DVec3, up: DVec3) -> DVec3 {
     (a + b) / (1.0 + a.dot(b)).max(0.2)
 }
 
-/// A box with the given half sizes and bevelled edges, its faces in `cells` along x, y and z.
-pub(super) fn bevelled_box(half: DVec3, bevel: f64, cells: [usize; 3]) -> Solid {
-    let inner = half - DVec3::splat(bevel);
-    let sheet = |y: f64| move |u: f64, v: f64| DVec3::new(u * inner.x, y, -v * inner.z);
-    let share = bevel / (2.0 * half.y);
-    let rims: Vec<Rim> = (0..=cells[1])
-        .map(|k| {
-            let t = k as f64 / cells[1] as f64;
-            Rim { rise: share + t * (1.0 - 2.0 * share), out: bevel }
-        })
-        .collect();
-    slab([cells[0], cells[2]], sheet(half.y), sheet(-half.y), &rims)
+/// A box with the given half sizes and sharp edges, thin along `y`, its large faces in `cells` along
+/// x and z.
+pub(super) fn board(half: DVec3, cells: [usize; 2]) -> Solid {
+    let sheet = |y: f64| move |u: f64, v: f64| DVec3::new(u * half.x, y, -v * half.z);
+    slab(cells, sheet(half.y), sheet(-half.y), &[])
 }
 
 /// A tube along a path. `radius` is given at the share of the path's points (0 to 1); frames are
@@ -267,7 +290,7 @@ pub(super) fn tube(path: &[DVec3], radius: impl Fn(f64) -> f64, sides: usize) ->
         };
         rings.push((0..sides).map(point).collect());
     }
-    skin(&rings)
+    skin(&rings, Cap::Fan)
 }
 
 /// The square [−1, 1]² pressed into the superellipse |x|ᵖ + |y|ᵖ ≤ 1, less and less towards the

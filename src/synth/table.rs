@@ -1,12 +1,14 @@
 //! A table: a bevelled top on an apron of four boards, on four legs, tapered and square or turned.
 
-use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DQuat, DVec2, DVec3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
 use super::profile::{LEGS, marks, turned};
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, bevelled_box, lathe, slab, squircle};
+use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, lathe, slab, squircle};
 
 /// A square leg from the floor to `height`, tapering below the apron, its edges rounded.
 fn tapered(half: f64, height: f64, apron: f64, detail: Detail) -> Solid {
@@ -71,19 +73,20 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
 
     let middle = under - 0.5 * apron + 0.15 * thickness;
     let tall = 0.5 * apron + 0.15 * thickness;
-    let board = |half_length: f64| {
-        let cells = [detail.of(5.0, 2), detail.of(1.0, 1), 1];
-        bevelled_box(DVec3::new(half_length, tall, 0.011), 0.003, cells)
+    let plank = |half_length: f64| {
+        let cells = [detail.of(6.0, 3), detail.of(1.0, 1)];
+        board(DVec3::new(half_length, 0.011, tall), cells)
+            .map(|p| DQuat::from_rotation_x(FRAC_PI_2) * p)
     };
     let quarter = |s: Solid| s.map(|p| DVec3::new(p.z, p.y, -p.x));
     let boards = [
-        board(x).shifted(DVec3::new(0.0, middle, z)),
-        quarter(board(z)).shifted(DVec3::new(x, middle, 0.0)),
-        board(x).shifted(DVec3::new(0.0, middle, -z)),
-        quarter(board(z)).shifted(DVec3::new(-x, middle, 0.0)),
+        plank(x).shifted(DVec3::new(0.0, middle, z)),
+        quarter(plank(z)).shifted(DVec3::new(x, middle, 0.0)),
+        plank(x).shifted(DVec3::new(0.0, middle, -z)),
+        quarter(plank(z)).shifted(DVec3::new(-x, middle, 0.0)),
     ];
-    for (i, board) in boards.into_iter().enumerate() {
-        parts.push(SynthPart::new(format!("apron_{}", i + 1), board));
+    for (i, plank) in boards.into_iter().enumerate() {
+        parts.push(SynthPart::new(format!("apron_{}", i + 1), plank));
     }
     parts
 }

@@ -19,12 +19,12 @@ fn assert_closed(name: &str, positions: &[DVec3], triangles: &[[u32; 3]]) {
         }
     }
     let mut corners = vec![0usize; positions.len()];
-    for (&(a, b), _) in &next {
+    for &(a, b) in next.keys() {
         assert!(next.contains_key(&(b, a)), "{name}: edge {a}-{b} is open");
         corners[a as usize] += 1;
     }
     let mut visited = BTreeSet::new();
-    for (&(a, b), _) in &next {
+    for &(a, b) in next.keys() {
         if visited.insert(a) {
             let (mut at, mut steps) = (b, 0);
             loop {

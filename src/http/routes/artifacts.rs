@@ -76,9 +76,9 @@ pub async fn fetch(
     }
     let etag = ETag::of_sha256(&artifact.sha256);
     if etag.is_known(&headers) {
-        return Ok(describe(Response::builder(), StatusCode::NOT_MODIFIED, &etag, artifact)
+        return describe(Response::builder(), StatusCode::NOT_MODIFIED, &etag, artifact)
             .body(Body::empty())
-            .map_err(Problem::internal)?);
+            .map_err(Problem::internal);
     }
     // A range is for GET alone.
     let range = match method == Method::GET && etag.allows_range(&headers) {

@@ -17,7 +17,7 @@ pub enum Activation {
 }
 
 /// 2√(2/π).
-const TWO_C: f32 = 1.595_769_1;
+const TWO_C: f32 = 1.595_769;
 /// Cubic coefficient of GELU's tanh form.
 const CUBIC: f32 = 0.044_715;
 

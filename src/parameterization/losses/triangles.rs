@@ -23,8 +23,11 @@ pub(super) struct Invariants {
     pub epsilon: f64,
 }
 
+/// An energy as a function of a triangle's invariants.
+type Measure = fn(Invariants) -> Energy;
+
 /// The three terms measured here.
-const ENERGIES: [(Term, fn(Invariants) -> Energy); 3] = [
+const ENERGIES: [(Term, Measure); 3] = [
     (Term::Conformal, conformal::energy),
     (Term::Stretch, stretch::energy),
     (Term::Barrier, barrier::energy),
