@@ -106,7 +106,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
 
 /// Most edges between a turned face and one that is not, as a share of all inner edges, for such
 /// edges to become seams.
-const TURNED_EDGES: f64 = 0.05;
+const TURNED_EDGES: f64 = 0.3;
 
 /// Whether seams go between faces that were turned over and their neighbours. A renderer takes the
 /// handedness of a texture from the file's winding, so that a chart of both windings is mirrored in
