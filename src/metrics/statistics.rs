@@ -2,7 +2,7 @@
 
 use crate::contract::FaceStats;
 
-/// Ratios are capped at this, as uvjudge and PartUV cap theirs: one collapsed face must not hide
+/// Ratios are capped at this, as PartUV caps its own: one collapsed face must not hide
 /// what the others do, and infinity cannot be written in JSON. 100 reads "100 or worse".
 pub(super) const CAP: f64 = 100.0;
 
