@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::flatten::Disk;
-use crate::mesh::{NONE, Surface};
+use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// A part as a mesh.
 pub struct PartMesh<'a> {
@@ -104,7 +104,7 @@ impl<'a> PartMesh<'a> {
     /// Cut some local faces (ascending) open into a mesh: two corners are one vertex where a chain
     /// of `glued` edges connects them.
     pub fn cut_open(&self, faces: Vec<u32>, glued: &[bool]) -> Piece {
-        let mut parent: Vec<u32> = (0..3 * faces.len() as u32).collect();
+        let mut sets = DisjointSets::new(3 * faces.len());
         for (i, &f) in faces.iter().enumerate() {
             for k in 0..3u32 {
                 let h = 3 * f + k;
@@ -114,18 +114,18 @@ impl<'a> PartMesh<'a> {
                 }
                 let Ok(j) = faces.binary_search(&(t / 3)) else { continue };
                 let (i, j, l) = (i as u32, j as u32, t % 3);
-                join(&mut parent, 3 * i + k, 3 * j + (l + 1) % 3);
-                join(&mut parent, 3 * i + (k + 1) % 3, 3 * j + l);
+                sets.join(3 * i + k, 3 * j + (l + 1) % 3);
+                sets.join(3 * i + (k + 1) % 3, 3 * j + l);
             }
         }
-        let mut number = vec![NONE; parent.len()];
+        let mut number = vec![NONE; 3 * faces.len()];
         let mut positions = Vec::new();
         let mut vertices = Vec::new();
         let mut triangles = Vec::with_capacity(faces.len());
         for (i, &f) in faces.iter().enumerate() {
             let triangle = self.surface.triangles[self.faces[f as usize] as usize];
             triangles.push([0, 1, 2].map(|k| {
-                let root = root(&mut parent, (3 * i + k) as u32) as usize;
+                let root = sets.root((3 * i + k) as u32) as usize;
                 if number[root] == NONE {
                     number[root] = positions.len() as u32;
                     positions.push(self.surface.positions[triangle[k] as usize]);
@@ -136,17 +136,4 @@ impl<'a> PartMesh<'a> {
         }
         Piece { faces, disk: Disk::new(positions, triangles), vertices }
     }
-}
-
-fn root(parent: &mut [u32], mut x: u32) -> u32 {
-    while parent[x as usize] != x {
-        parent[x as usize] = parent[parent[x as usize] as usize];
-        x = parent[x as usize];
-    }
-    x
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::pairing::{EdgeGroups, FaceTraits, pair};
-use super::{FaceOrigin, NONE, Scene, Surface, orient, weld};
+use super::{DisjointSets, FaceOrigin, NONE, Scene, Surface, orient, weld};
 use crate::contract::{Canceled, Repairs, Run};
 
 /// A face whose height is below this share of the diagonal has no area.
@@ -37,14 +37,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     run.cancel.check()?;
     let mut triangles: Vec<[u32; 3]> = raw.iter().map(|t| t.map(|v| ids[v as usize])).collect();
 
-    // A sliver that welding alone would flatten stands apart, on vertices of its own.
-    for (t, corners) in triangles.iter_mut().zip(&raw) {
-        let own = corners.map(|v| soup[v as usize]);
-        if has_area(own, diagonal) && !has_area(t.map(|v| positions[v as usize]), diagonal) {
-            *t = [0, 1, 2].map(|k| (positions.len() + k) as u32);
-            positions.extend(own);
-        }
-    }
+    keep_slivers(&soup, &raw, &mut triangles, &mut positions, diagonal);
     let measured = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| positions[v as usize]);
         (has_area([a, b, c], diagonal), (b - a).cross(c - a))
@@ -117,6 +110,40 @@ fn seams_at_turned_faces(groups: &EdgeGroups, reversed: &[bool]) -> bool {
     pairs().filter(differ).count() as f64 <= TURNED_EDGES * pairs().count() as f64
 }
 
+/// Undo the welding at the corners of slivers that it alone would flatten: there, vertices are one
+/// only where their positions are the same to the last bit. A sliver so keeps its neighbours.
+fn keep_slivers(
+    soup: &[DVec3],
+    raw: &[[u32; 3]],
+    triangles: &mut [[u32; 3]],
+    positions: &mut Vec<DVec3>,
+    diagonal: f64,
+) {
+    let mut parted = vec![false; positions.len()];
+    for (t, corners) in triangles.iter().zip(raw) {
+        if has_area(corners.map(|v| soup[v as usize]), diagonal)
+            && !has_area(t.map(|v| positions[v as usize]), diagonal)
+        {
+            t.iter().for_each(|&v| parted[v as usize] = true);
+        }
+    }
+    let mut exact: HashMap<(u32, [u64; 3]), u32> = HashMap::new();
+    for (t, corners) in triangles.iter_mut().zip(raw) {
+        for (v, &corner) in t.iter_mut().zip(corners) {
+            if !parted.get(*v as usize).copied().unwrap_or(false) {
+                continue;
+            }
+            let p = soup[corner as usize];
+            // Adding 0 makes one of the two zeros.
+            let key = (*v, (p + 0.0).to_array().map(f64::to_bits));
+            *v = *exact.entry(key).or_insert_with(|| {
+                positions.push(p);
+                positions.len() as u32 - 1
+            });
+        }
+    }
+}
+
 /// Whether a triangle is higher than the least height that counts.
 fn has_area([a, b, c]: [DVec3; 3], diagonal: f64) -> bool {
     let twice = (b - a).cross(c - a).length();
@@ -137,13 +164,13 @@ fn extent(positions: &[DVec3], triangles: &[[u32; 3]]) -> (DVec3, f64) {
 
 /// Connected components within each primitive: faces that share an edge there.
 fn number_components(origins: &mut [FaceOrigin], groups: &EdgeGroups) {
-    let mut parent: Vec<u32> = (0..origins.len() as u32).collect();
+    let mut sets = DisjointSets::new(origins.len());
     for group in groups.iter() {
         for (i, &a) in group.iter().enumerate() {
             for &b in &group[..i] {
                 let (f, g) = (a / 3, b / 3);
                 if origins[f as usize].primitive == origins[g as usize].primitive {
-                    union(&mut parent, f, g);
+                    sets.join(f, g);
                     break;
                 }
             }
@@ -152,7 +179,7 @@ fn number_components(origins: &mut [FaceOrigin], groups: &EdgeGroups) {
     let mut number = HashMap::new();
     for (f, origin) in origins.iter_mut().enumerate() {
         let next = number.len() as u32;
-        origin.component = *number.entry(find(&mut parent, f as u32)).or_insert(next);
+        origin.component = *number.entry(sets.root(f as u32)).or_insert(next);
     }
 }
 
@@ -179,38 +206,24 @@ fn sheet_mates(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<u32> {
 
 /// How many fans of faces there are beyond one a vertex (bow ties, non-manifold vertices).
 fn split_vertices(triangles: &[[u32; 3]], usable: &[bool], twin: &[u32]) -> u64 {
-    let mut parent: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+    let mut sets = DisjointSets::new(3 * triangles.len());
     for (h, &t) in twin.iter().enumerate().filter(|(_, t)| **t != NONE) {
         // The half-edge's start meets the twin's end, and the other way round.
         let (f, k) = (h / 3, h % 3);
         let (g, l) = (t as usize / 3, t as usize % 3);
-        union(&mut parent, (3 * f + k) as u32, (3 * g + (l + 1) % 3) as u32);
-        union(&mut parent, (3 * f + (k + 1) % 3) as u32, (3 * g + l) as u32);
+        sets.join((3 * f + k) as u32, (3 * g + (l + 1) % 3) as u32);
+        sets.join((3 * f + (k + 1) % 3) as u32, (3 * g + l) as u32);
     }
     let mut fans = 0u64;
     let mut seen = std::collections::HashSet::new();
     for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
         for k in 0..3 {
             let corner = (3 * f + k) as u32;
-            fans += u64::from(find(&mut parent, corner) == corner);
+            fans += u64::from(sets.root(corner) == corner);
             seen.insert(t[k]);
         }
     }
     fans - seen.len() as u64
-}
-
-fn find(parent: &mut [u32], mut x: u32) -> u32 {
-    while parent[x as usize] != x {
-        parent[x as usize] = parent[parent[x as usize] as usize];
-        x = parent[x as usize];
-    }
-    x
-}
-
-/// Join two sets; the smaller number stays the root.
-fn union(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }
 
 #[cfg(test)]
@@ -281,12 +294,13 @@ mod tests {
     }
 
     #[test]
-    fn a_sliver_that_welding_would_flatten_stands_apart() {
+    fn a_sliver_that_welding_would_flatten_keeps_its_neighbours() {
         let mut p = QUAD.to_vec();
         p.push([1., 1. + 1e-6, 0.]);
-        let s = conditioned(&p, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
+        let s = conditioned(&p, &[[0, 1, 2], [0, 2, 4], [0, 4, 3]]);
         assert_eq!(s.usable, [true, true, true]);
-        assert!(s.twin[6..].iter().all(|&t| t == NONE));
+        assert_eq!(s.twin[3..6].iter().filter(|&&t| t != NONE).count(), 2);
+        assert!(s.origins.iter().all(|o| o.component == 0));
     }
 
     #[test]

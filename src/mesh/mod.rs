@@ -2,6 +2,7 @@
 //! solvers work on.
 
 mod condition;
+mod disjoint;
 pub mod export;
 pub mod import;
 mod orient;
@@ -12,6 +13,7 @@ mod surface;
 mod weld;
 
 pub use condition::condition;
+pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use scene::{Document, Primitive, Scene};
 pub use surface::{CREASE, FaceOrigin, NONE, Surface};

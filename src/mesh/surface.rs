@@ -4,6 +4,7 @@
 
 use glam::DVec3;
 
+use super::DisjointSets;
 use crate::contract::Repairs;
 
 /// "No half-edge", "no face".
@@ -112,6 +113,33 @@ impl Surface {
     /// Which corner of the file's triangle is corner `k` of face `face` here.
     pub fn file_corner(&self, face: usize, k: usize) -> usize {
         if self.reversed[face] { [0, 2, 1][k] } else { k }
+    }
+
+    /// The sheets as meshes of their own: vertices at which several fans of faces meet (where sheets
+    /// touch, at bow ties) are one vertex a fan. Positions, and a triangle a face.
+    pub fn sheets(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let mut corners = DisjointSets::new(3 * self.face_count());
+        let next = |h: u32| 3 * (h / 3) + (h + 1) % 3;
+        for (h, &t) in (0u32..).zip(&self.twin).filter(|(_, t)| **t != NONE) {
+            corners.join(h, next(t));
+            corners.join(next(h), t);
+        }
+        let mut number = vec![NONE; 3 * self.face_count()];
+        let mut positions = Vec::with_capacity(self.positions.len());
+        let triangles = (0u32..)
+            .zip(&self.triangles)
+            .map(|(f, triangle)| {
+                [0, 1, 2].map(|k| {
+                    let root = corners.root(3 * f + k) as usize;
+                    if number[root] == NONE {
+                        number[root] = positions.len() as u32;
+                        positions.push(self.positions[triangle[k as usize] as usize]);
+                    }
+                    number[root]
+                })
+            })
+            .collect();
+        (positions, triangles)
     }
 
     /// Total area of the usable faces, world units squared.

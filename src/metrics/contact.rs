@@ -9,11 +9,10 @@ use rayon::prelude::*;
 
 use super::alignment::sample_edges;
 use super::levels::Scope;
-use super::seams::find;
 use super::{EdgeTable, Measured};
 use crate::contract::{Cancel, Canceled};
-use crate::mesh::NONE;
 use crate::mesh::rays::Rays;
+use crate::mesh::{DisjointSets, NONE};
 
 /// Contact is within this share of the diagonal.
 const TOUCH: f64 = 0.005;
@@ -104,7 +103,7 @@ impl Contacts {
 
 /// Component of each face over shared edges, or [`NONE`] for faces that are not measured.
 fn components(faces: usize, table: &EdgeTable) -> Vec<u32> {
-    let mut root: Vec<usize> = (0..faces).collect();
+    let mut sets = DisjointSets::new(faces);
     let mut measured = vec![false; faces];
     for e in 0..table.len() {
         let mut around = table.half_edges(e).map(|(h, _)| h as usize / 3);
@@ -112,9 +111,8 @@ fn components(faces: usize, table: &EdgeTable) -> Vec<u32> {
         measured[first] = true;
         for f in around {
             measured[f] = true;
-            let (a, b) = (find(&mut root, first), find(&mut root, f));
-            root[a.max(b)] = a.min(b);
+            sets.join(first as u32, f as u32);
         }
     }
-    (0..faces).map(|f| if measured[f] { find(&mut root, f) as u32 } else { NONE }).collect()
+    (0..faces).map(|f| if measured[f] { sets.root(f as u32) } else { NONE }).collect()
 }

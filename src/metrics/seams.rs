@@ -3,6 +3,7 @@
 use super::EdgeTable;
 use super::levels::Level;
 use crate::contract::SeamLength;
+use crate::mesh::DisjointSets;
 
 /// The seams of one level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,24 +44,11 @@ fn connected(edges: &[[u32; 2]]) -> u64 {
     let mut nodes: Vec<u32> = edges.iter().flatten().copied().collect();
     nodes.sort_unstable();
     nodes.dedup();
-    let mut root: Vec<usize> = (0..nodes.len()).collect();
-    let mut pieces = nodes.len();
+    let mut sets = DisjointSets::new(nodes.len());
+    let mut pieces = nodes.len() as u64;
     for edge in edges {
-        let [a, b] = edge.map(|v| nodes.partition_point(|&n| n < v));
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        if a != b {
-            root[a.max(b)] = a.min(b);
-            pieces -= 1;
-        }
+        let [a, b] = edge.map(|v| nodes.partition_point(|&n| n < v) as u32);
+        pieces -= u64::from(sets.join(a, b));
     }
-    pieces as u64
-}
-
-/// Representative of `i`, halving the path to it.
-pub(super) fn find(root: &mut [usize], mut i: usize) -> usize {
-    while root[i] != i {
-        root[i] = root[root[i]];
-        i = root[i];
-    }
-    i
+    pieces
 }

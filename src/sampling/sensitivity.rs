@@ -101,11 +101,13 @@ impl EdgeField {
             return Ok(());
         }
         let neighbours = Neighbours::new(surface);
-        let mut done = vec![false; surface.positions.len()];
+        let mut nearest: Vec<f64> =
+            source.iter().map(|&s| if s > 0.0 { 0.0 } else { REACH * self.width }).collect();
         let mut steps = 0u32;
         while let Some(Reached { distance, vertex, strength }) = queue.pop() {
             let v = vertex as usize;
-            if std::mem::replace(&mut done[v], true) {
+            // Reached on a shorter way, or from a stronger edge, before.
+            if self.vertex[v].1 > 0.0 {
                 continue;
             }
             steps += 1;
@@ -115,7 +117,8 @@ impl EdgeField {
             self.vertex[v] = (distance, strength);
             for &w in neighbours.of(vertex) {
                 let on = distance + surface.positions[v].distance(surface.positions[w as usize]);
-                if !done[w as usize] && on < REACH * self.width {
+                if on < nearest[w as usize] {
+                    nearest[w as usize] = on;
                     queue.push(Reached { distance: on, vertex: w, strength });
                 }
             }

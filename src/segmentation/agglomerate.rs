@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use crate::contract::{Canceled, Run};
-use crate::mesh::{NONE, Surface};
+use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// An edge that is this concave (radians) is a valley in full; a flat one is none.
 const FULL: f64 = 0.8;
@@ -94,19 +94,6 @@ impl PartialOrd for Join {
     }
 }
 
-/// Disjoint sets; the smaller number stays the root.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn root(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            self.0[x as usize] = self.0[self.0[x as usize] as usize];
-            x = self.0[x as usize];
-        }
-        x
-    }
-}
-
 /// The regions of a body, in order of first face. `faces` ascend; `local` is scratch, [`NONE`] for
 /// every face before and after.
 pub fn regions(
@@ -130,12 +117,12 @@ pub fn regions(
 
     let mut areas: Vec<f64> = faces.iter().map(|&f| surface.areas[f as usize]).collect();
     let total: f64 = areas.iter().sum();
-    let mut sets = Sets((0..faces.len() as u32).collect());
+    let mut sets = DisjointSets::new(faces.len());
     for &(i, j, _, _) in links.iter().filter(|l| l.3.abs() < FLAT) {
         let (a, b) = (sets.root(i), sets.root(j));
         if a != b && areas[a as usize] + areas[b as usize] <= PATCH * total {
             let (keep, gone) = (a.min(b), a.max(b));
-            sets.0[gone as usize] = keep;
+            sets.hang(gone, keep);
             areas[keep as usize] += areas[gone as usize];
         }
     }
@@ -162,7 +149,7 @@ pub fn regions(
 
 /// Regions as they grow. Of joined regions only the root's entries count.
 struct Growth {
-    sets: Sets,
+    sets: DisjointSets,
     areas: Vec<f64>,
     perimeters: Vec<f64>,
     borders: Vec<BTreeMap<u32, Border>>,
@@ -221,7 +208,7 @@ impl Growth {
             self.borders[n as usize].entry(keep).or_default().add(border);
             self.borders[keep as usize].entry(n).or_default().add(border);
         }
-        self.sets.0[gone as usize] = keep;
+        self.sets.hang(gone, keep);
         self.areas[keep as usize] += self.areas[gone as usize];
         (keep, moved.into_keys().filter(|&n| n != keep).collect())
     }

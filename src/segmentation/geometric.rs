@@ -13,6 +13,9 @@ use crate::sampling::PointCloud;
 /// A body of fewer faces is one part.
 const FACES: usize = 60;
 
+/// A body with more regions is rough, not made of parts.
+const PARTS: usize = 64;
+
 /// Share of the area above which `auto` takes a body for one that its author did not take apart.
 const WHOLE: f64 = 0.4;
 
@@ -84,7 +87,7 @@ fn refine(
             continue;
         }
         let found = regions(surface, faces, &mut local, run)?;
-        if found.len() < 2 {
+        if !(2..=PARTS).contains(&found.len()) {
             continue;
         }
         let name = scores.candidates[label].name.clone();

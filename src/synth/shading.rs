@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::mesh::CREASE;
+use crate::mesh::{CREASE, DisjointSets};
 
 /// Vertices ready for a file.
 pub(super) struct Shaded {
@@ -30,14 +30,7 @@ pub(super) fn shade(positions: &[DVec3], triangles: &[[u32; 3]]) -> Shaded {
         }
     }
     // Corners 3f + k that share a vertex and a smooth edge are one.
-    let mut group: Vec<u32> = (0..3 * triangles.len() as u32).collect();
-    fn root(group: &mut [u32], mut i: u32) -> u32 {
-        while group[i as usize] != i {
-            group[i as usize] = group[group[i as usize] as usize];
-            i = group[i as usize];
-        }
-        i
-    }
+    let mut corners = DisjointSets::new(3 * triangles.len());
     for (&(a, b), &f) in &across {
         let Some(&g) = across.get(&(b, a)) else { continue };
         if normals[f].dot(normals[g]) < CREASE.cos() {
@@ -45,17 +38,15 @@ pub(super) fn shade(positions: &[DVec3], triangles: &[[u32; 3]]) -> Shaded {
         }
         for v in [a, b] {
             let at = |f: usize| (0..3).find(|&k| triangles[f][k] == v).unwrap_or(0);
-            let (i, j) = ((3 * f + at(f)) as u32, (3 * g + at(g)) as u32);
-            let (i, j) = (root(&mut group, i), root(&mut group, j));
-            group[i.max(j) as usize] = i.min(j);
+            corners.join((3 * f + at(f)) as u32, (3 * g + at(g)) as u32);
         }
     }
-    let mut number: Vec<u32> = vec![u32::MAX; group.len()];
+    let mut number: Vec<u32> = vec![u32::MAX; 3 * triangles.len()];
     let mut out = Shaded { positions: vec![], normals: vec![], triangles: vec![] };
     for f in 0..triangles.len() {
         let mut t = [0; 3];
         for k in 0..3 {
-            let r = root(&mut group, (3 * f + k) as u32) as usize;
+            let r = corners.root((3 * f + k) as u32) as usize;
             if number[r] == u32::MAX {
                 number[r] = out.positions.len() as u32;
                 out.positions.push(corner(f, k));

@@ -62,7 +62,7 @@ fn every_part_is_closed_and_well_shaped() {
                     assert_closed(&name, &part.positions, &part.triangles);
                     let worst = worst_angle(&part.positions, &part.triangles);
                     // Bevels along a board are thin; needles are not wanted.
-                    assert!(worst > 0.3, "{name}: smallest angle {worst:.2}°");
+                    assert!(worst > 1.0, "{name}: smallest angle {worst:.2}°");
                 }
             }
         }
