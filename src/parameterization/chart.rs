@@ -159,7 +159,7 @@ impl<'a> Trainee<'a> {
         let mut weights = *self.balance.weights();
         if sound {
             // Smoothness guides the map in the first half; after that it would hold a bent chart off its
-            // optimum (on a barrel at 1.014 where 1.0041 is to be had).
+            // optimum.
             weights[Term::Smooth as usize] *= (1.0 - 2.0 * progress).max(0.0);
             if self.is_sampled() {
                 // The rim of a sample is not the chart's.

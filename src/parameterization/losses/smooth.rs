@@ -1,4 +1,4 @@
-//! Smoothness loss (paper 2.3.5). Sound form: Σ_e w_e ‖J_f − J_g‖² / s² over pairs of adjacent
+//! Smoothness loss (paper 2.3.5). Sound form: Σ_e w_e ‖J_f − J_g‖² / (s² Σ_e w_e) over pairs of adjacent
 //! triangles, their tangent planes unfolded about the edge e between them, w_e = ℓ_e² / (A_f + A_g), not
 //! across creases or cuts. Along e the two Jacobians agree, so their difference is
 //! (Σ_k a_k u_k) ⊗ normal of e over the four corners, with a_k fixed by the unfolded shape: 0 at every
@@ -27,21 +27,18 @@ pub(super) struct Bending {
 }
 
 impl Bending {
-    /// Where only a selection is measured, its sum is scaled up to the whole chart's Σ w_e.
     pub fn prepare(disk: &Disk, links: &[Link], selected: &[u32]) -> Option<Box<dyn Loss>> {
         let mask = mask(disk, selected);
-        let (mut hinges, mut all, mut measured) = (Vec::new(), 0.0, 0.0);
+        let (mut hinges, mut total) = (Vec::new(), 0.0);
         for link in links {
             let Some((hinge, weight)) = hinge(disk, link) else { continue };
-            all += weight;
             if mask[link.left.face as usize] && link.right.is_some_and(|r| mask[r.face as usize]) {
-                measured += weight;
+                total += weight;
                 hinges.push(hinge);
             }
         }
-        let factor = if measured > 0.0 { f64::sqrt(all / measured) } else { 1.0 };
         for hinge in &mut hinges {
-            hinge.coefficients = hinge.coefficients.map(|a| a * factor);
+            hinge.coefficients = hinge.coefficients.map(|a| a / f64::sqrt(total));
         }
         (!hinges.is_empty()).then(|| Box::new(Self { hinges }) as Box<dyn Loss>)
     }
