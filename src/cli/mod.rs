@@ -1,7 +1,9 @@
 //! The command line: one file a subcommand. `serve` is composed here: http plus the supervisor.
 
+mod bench;
 mod demo;
 mod doctor;
+mod input;
 mod openapi;
 mod progress_bar;
 mod segment;
@@ -37,6 +39,8 @@ enum Command {
     Worker(worker::Args),
     /// Say which device would be used and prove it with a small computation.
     Doctor(doctor::Args),
+    /// Measure how good the results are on a folder of meshes.
+    Bench(bench::Args),
     /// Make a labelled sample object.
     Synth(synth::Args),
     /// Print the OpenAPI description of the service.
@@ -52,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Serve(args) => serve::run(args),
         Command::Worker(args) => worker::run(args),
         Command::Doctor(args) => doctor::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Openapi(args) => openapi::run(args),
     };

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 
+use super::input::Files;
 use super::progress_bar;
-use crate::contract::{Limits, MeshKind, Seed, SegmentationSource, UnwrapOptions};
-use crate::pipeline::{self, Input};
+use crate::contract::{Limits, Seed, SegmentationSource, UnwrapOptions};
+use crate::pipeline;
 
 /// Arguments of `uvsegnet segment`.
 #[derive(Debug, clap::Args)]
@@ -29,19 +30,11 @@ pub struct Args {
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let read = |path: &PathBuf| {
-        std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
-    };
-    let bytes = read(&args.input)?;
-    let labels = args.labels.as_ref().map(read).transpose()?;
-    let kind = MeshKind::detect(&bytes).ok_or_else(|| {
-        anyhow!("{} is no GLB, glTF or OBJ file: convert it first", args.input.display())
-    })?;
+    let files = Files::read(&args.input, args.labels.as_deref())?;
     let options =
         UnwrapOptions { segmentation: args.segmentation, seed: args.seed, ..Default::default() };
     let (run, bar) = progress_bar::run(&options);
-    let input = Input { bytes: &bytes, kind, labels: labels.as_deref() };
-    let result = pipeline::segment_input(&input, &options, &Limits::default(), &run);
+    let result = pipeline::segment_input(&files.input(), &options, &Limits::default(), &run);
     bar.finish_and_clear();
     let parts = result?;
     let text = parts.to_text();

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 
+use super::input::Files;
 use super::progress_bar;
-use crate::contract::{Limits, MeshKind, UnwrapOptions};
+use crate::contract::{Limits, UnwrapOptions};
 use crate::device::{self, DeviceChoice};
-use crate::pipeline::{self, Input};
+use crate::pipeline;
 
 /// Arguments of `uvsegnet unwrap`.
 #[derive(Debug, clap::Args)]
@@ -47,18 +48,11 @@ pub fn run(args: Args) -> Result<()> {
             .collect();
         bail!("{}", lines.join("\n"));
     }
-    let read = |path: &PathBuf| {
-        std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
-    };
-    let bytes = read(&args.input)?;
-    let labels = args.labels.as_ref().map(read).transpose()?;
-    let kind = MeshKind::detect(&bytes).ok_or_else(|| {
-        anyhow!("{} is no GLB, glTF or OBJ file: convert it first", args.input.display())
-    })?;
+    let files = Files::read(&args.input, args.labels.as_deref())?;
     let device = device::choose(&args.device)?;
     let (run, bar) = progress_bar::run(&args.options);
-    let input = Input { bytes: &bytes, kind, labels: labels.as_deref() };
-    let result = pipeline::unwrap_input(&input, &args.options, &Limits::default(), &device, &run);
+    let result =
+        pipeline::unwrap_input(&files.input(), &args.options, &Limits::default(), &device, &run);
     bar.finish_and_clear();
     let unwrapped = result?;
     for artifact in unwrapped.artifacts() {

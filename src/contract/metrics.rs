@@ -191,6 +191,10 @@ pub struct AtlasMetrics {
     pub certificate: Certificate,
     /// Share of the page that is used.
     pub packing_efficiency: PackingEfficiency,
+    /// Share of the area that is developable: |K|·A < 0.05, with K the Gauss curvature at an inner
+    /// vertex of a chart of area A.
+    #[schema(required)]
+    pub developable: Option<f64>,
     /// The figures of all faces together.
     #[serde(flatten)]
     pub figures: Figures,

@@ -5,6 +5,7 @@ mod alignment;
 mod avoidable;
 mod consistency;
 mod contact;
+mod curvature;
 mod distortion;
 mod edges;
 mod figures;
@@ -20,6 +21,7 @@ mod stretch;
 #[cfg(test)]
 mod tests;
 
+pub use curvature::developable;
 pub use edges::EdgeTable;
 pub use figures::{Measured, MeasuredFigures, measure};
 pub use packing::packing_efficiency;

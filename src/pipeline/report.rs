@@ -62,6 +62,7 @@ pub fn whole(
             charts: finished.charts.len() as u32,
             certificate: finished.certificates.atlas.clone(),
             packing_efficiency,
+            developable: metrics::developable(&measured),
             figures: figures.atlas.clone(),
         },
         parts: parts(found, finished, &figures),
