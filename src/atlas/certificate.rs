@@ -7,7 +7,7 @@ use super::gutter::gutters;
 use super::quantise::is_flat_3d;
 use super::raster::rasterise;
 use crate::contract::Certificate;
-use crate::flatten::{Border, Disk, is_simple, list_overlapping_pairs, orientation};
+use crate::flatten::{Border, Disk, has_simple_boundary, list_overlapping_pairs, orientation};
 
 /// Triangles that enter each other by no more than this (page widths) touch.
 const TOUCH: f64 = 1e-6;
@@ -120,11 +120,7 @@ fn by_itself(disk: &Disk, uv: &[DVec2], border: &Border, demands: &Demands) -> C
         certificate.flipped += u64::from(orientation(corners) < 0);
         certificate.zero_area_uv += u64::from(flat);
     }
-    certificate.simple_boundary = border.is_disk()
-        && border.loops.iter().all(|ring| {
-            let polygon: Vec<DVec2> = ring.iter().map(|&v| uv[v as usize]).collect();
-            is_simple(&polygon)
-        });
+    certificate.simple_boundary = has_simple_boundary(border, uv);
     certificate
 }
 

@@ -1,19 +1,20 @@
-//! Parts into charts (pipeline 4): the side of a tube with one axial cut and its caps apart; every
-//! other part as patches that are joined while the distortion bound holds.
+//! Parts into charts (pipeline 4): the side of a tube with one axial cut, everything else as patches,
+//! all joined while the objective falls and the distortion bound holds.
 
 use rayon::prelude::*;
 
 use super::chart::{Chart, ChartShape, StartKind};
 use super::cluster::cluster;
-use super::fit::from_scratch;
-use super::merge::merge;
+use super::extent::shorten;
+use super::fit::{Fit, from_scratch};
+use super::merge::{Limits, merge};
 use super::open::open;
 use super::part_mesh::{PartMesh, Piece};
 use super::patchwork::Patchwork;
 use super::split::halves;
 use super::tube::{self, Tube};
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, StartMap, UvMap, flatten_triangle};
+use crate::flatten::{self, UvMap, flatten_triangle};
 use crate::mesh::{NONE, Surface};
 
 /// What the cut is told.
@@ -38,10 +39,11 @@ pub fn build(
             faces[p as usize].push(f as u32);
         }
     }
+    let limits = Limits::new(surface, options.distortion_bound);
     let charts: Result<Vec<Vec<Chart>>, Canceled> = faces
         .into_par_iter()
         .enumerate()
-        .map(|(part, faces)| build_part(surface, part as u32, faces, options, run))
+        .map(|(part, faces)| build_part(surface, part as u32, faces, &limits, run))
         .collect();
     Ok(charts?.into_iter().flatten().collect())
 }
@@ -55,10 +57,12 @@ pub fn split_chart(
 ) -> Result<Vec<Chart>, Canceled> {
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
+    let limits = Limits::new(surface, options.distortion_bound);
     let mut charts = Vec::new();
     for half in halves(&mesh, &all) {
         let faces = half.iter().map(|&f| mesh.faces[f as usize]).collect();
-        charts.extend(patches(&PartMesh::new(surface, faces), chart.part, options, run)?);
+        let half = PartMesh::new(surface, faces);
+        charts.extend(weld(&half, chart.part, None, &[], &limits, run)?);
     }
     Ok(charts)
 }
@@ -67,7 +71,7 @@ fn build_part(
     surface: &Surface,
     part: u32,
     faces: Vec<u32>,
-    options: &ChartOptions,
+    limits: &Limits,
     run: &Run,
 ) -> Result<Vec<Chart>, Canceled> {
     let mesh = PartMesh::new(surface, faces);
@@ -77,50 +81,38 @@ fn build_part(
         run.cancel.check()?;
         let faces = piece.iter().map(|&f| mesh.faces[f as usize]).collect();
         let piece = PartMesh::new(surface, faces);
-        match tube::fit(&piece) {
-            Some(tube) => charts.extend(tube_and_caps(&piece, part, &tube, options, run)?),
-            None => charts.extend(patches(&piece, part, options, run)?),
-        }
+        let tube = tube::fit(&piece);
+        let sides = tube.as_ref().map_or_else(Vec::new, |t| sides(&piece, t, limits.bound));
+        charts.extend(weld(&piece, part, tube.as_ref(), &sides, limits, run)?);
     }
     charts.sort_by_key(|c| c.faces.first().copied());
     Ok(charts)
 }
 
-/// The side of a tube, cut along its axis, and whatever else there is as patches.
-fn tube_and_caps(
-    mesh: &PartMesh,
-    part: u32,
-    tube: &Tube,
-    options: &ChartOptions,
-    run: &Run,
-) -> Result<Vec<Chart>, Canceled> {
-    let mut is_side = vec![false; mesh.len()];
-    tube.lateral.iter().for_each(|&f| is_side[f as usize] = true);
-    let all: Vec<u32> = (0..mesh.len() as u32).collect();
-    let same = |h: u32| is_side[h as usize / 3] == is_side[mesh.twin[h as usize] as usize / 3];
-    let mut charts = Vec::new();
-    for piece in mesh.components(&all, same) {
-        let faces = piece.iter().map(|&f| mesh.faces[f as usize]).collect();
-        let sub = PartMesh::new(mesh.surface, faces);
-        let side = is_side[piece[0] as usize];
-        match side.then(|| unroll(&sub, part, tube, options)).flatten() {
-            Some(chart) => charts.push(chart),
-            None => charts.extend(patches(&sub, part, options, run)?),
-        }
-    }
-    Ok(charts)
+/// The side of a tube, cut along its axis and unrolled.
+struct Side {
+    /// Local faces, ascending.
+    faces: Vec<u32>,
+    /// Local half-edges of the axial cut.
+    cut: Vec<u32>,
+    fit: Fit,
+    kind: StartKind,
 }
 
-/// One side of a tube as one chart, if it opens to a disk and unrolls within the bound.
-fn unroll(mesh: &PartMesh, part: u32, tube: &Tube, options: &ChartOptions) -> Option<Chart> {
-    let all: Vec<u32> = (0..mesh.len() as u32).collect();
-    let cut = tube::axial_cut(mesh, &all, tube.axis)?;
-    let mut glued: Vec<bool> = mesh.twin.iter().map(|&t| t != NONE).collect();
-    for h in cut {
-        glued[h as usize] = false;
-        glued[mesh.twin[h as usize] as usize] = false;
-    }
-    let piece = mesh.cut_open(all, &glued);
+/// The sides of a tube that open to a disk and unroll within the bound.
+fn sides(mesh: &PartMesh, tube: &Tube, bound: f64) -> Vec<Side> {
+    let mut lateral = vec![false; mesh.len()];
+    tube.lateral.iter().for_each(|&f| lateral[f as usize] = true);
+    let same = |h: u32| lateral[mesh.twin[h as usize] as usize / 3];
+    let pieces = mesh.components(&tube.lateral, same);
+    pieces.into_iter().filter_map(|faces| unroll(mesh, faces, tube, bound)).collect()
+}
+
+fn unroll(mesh: &PartMesh, faces: Vec<u32>, tube: &Tube, bound: f64) -> Option<Side> {
+    let cut = tube::axial_cut(mesh, &faces, tube.axis)?;
+    let mut glued = vec![false; mesh.twin.len()];
+    glue_side(mesh, &faces, &cut, &mut glued);
+    let piece = mesh.cut_open(faces, &glued);
     if !flatten::is_disk(&piece.disk) {
         return None;
     }
@@ -137,76 +129,44 @@ fn unroll(mesh: &PartMesh, part: u32, tube: &Tube, options: &ChartOptions) -> Op
             proved.then_some((quality.mean - 1.0, uv, kind))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if energy > options.distortion_bound {
-        return None;
-    }
-    let shape = ChartShape::Tubular {
-        origin: tube.origin,
-        axis: tube.axis,
-        radius: tube.radius,
-        taper: tube.taper,
-    };
-    Some(chart(mesh, part, piece, shape, uv.clone(), uv, kind))
+    let fits = energy <= bound;
+    fits.then(|| Side { faces: piece.faces, cut, fit: Fit { uv, energy }, kind })
 }
 
-/// A piece as patches, each a disk within the bound, joined while the bound holds.
-fn patches(
+/// Close every edge within a side but those of its cut.
+fn glue_side(mesh: &PartMesh, faces: &[u32], cut: &[u32], glued: &mut [bool]) {
+    let mut own = vec![false; mesh.len()];
+    faces.iter().for_each(|&f| own[f as usize] = true);
+    for h in faces.iter().flat_map(|&f| 3 * f..3 * f + 3) {
+        let t = mesh.twin[h as usize];
+        glued[h as usize] = t != NONE && own[t as usize / 3];
+    }
+    for &h in cut {
+        glued[h as usize] = false;
+        glued[mesh.twin[h as usize] as usize] = false;
+    }
+}
+
+/// A piece as charts: the sides of its tube and, of the rest, patches that are disks within the
+/// bound; joined while the objective falls.
+fn weld(
     mesh: &PartMesh,
     part: u32,
-    options: &ChartOptions,
+    tube: Option<&Tube>,
+    sides: &[Side],
+    limits: &Limits,
     run: &Run,
 ) -> Result<Vec<Chart>, Canceled> {
-    let bound = options.distortion_bound;
-    let mut patch_of = cluster(mesh, run)?;
-    let mut count = patch_of.iter().max().map_or(0, |&m| m + 1);
-    let mut pending: Vec<u32> = (0..count).collect();
-    let mut maps = vec![None; count as usize];
-    // Each round opens all patches and fits the new ones; what does not fit is divided. A single
-    // triangle always fits, so that this ends.
-    let glued = loop {
-        run.cancel.check()?;
-        let glued = open(mesh, &patch_of);
-        let mut faces = vec![Vec::new(); count as usize];
-        for (f, &p) in patch_of.iter().enumerate() {
-            faces[p as usize].push(f as u32);
-        }
-        let mut divided = Vec::new();
-        for patch in std::mem::take(&mut pending) {
-            let piece = mesh.cut_open(faces[patch as usize].clone(), &glued);
-            if let &[triangle] = &piece.disk.triangles[..] {
-                let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
-                maps[patch as usize] = Some((piece, flatten_triangle(a, b, c).to_vec()));
-                continue;
-            }
-            if let Some(uv) = from_scratch(&piece.disk, bound, run)? {
-                maps[patch as usize] = Some((piece, uv));
-                continue;
-            }
-            let pieces = halves(mesh, &faces[patch as usize]);
-            pending.push(patch);
-            for piece in &pieces[1..] {
-                piece.iter().for_each(|&f| divided.push((f, count)));
-                pending.push(count);
-                maps.push(None);
-                count += 1;
-            }
-        }
-        if pending.is_empty() {
-            break glued;
-        }
-        divided.into_iter().for_each(|(f, p)| patch_of[f as usize] = p);
-    };
+    let (patch_of, glued, fits) = patches(mesh, sides, limits.bound, run)?;
     let mut work = Patchwork::new(mesh, patch_of, glued);
-    for (piece, uv) in maps.into_iter().flatten() {
-        for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
-            for (k, &v) in triangle.iter().enumerate() {
-                work.uv[3 * f as usize + k] = uv[v as usize];
-            }
-        }
+    for (chart, (piece, fit)) in (0u32..).zip(&fits) {
+        work.place(chart, piece, fit);
     }
-    merge(&mut work, bound, run)?;
+    drop(fits);
+    merge(&mut work, limits, run)?;
+    shorten(&mut work, limits.length);
     let mut charts = Vec::new();
-    for faces in work.faces.iter().filter(|f| !f.is_empty()) {
+    for (number, faces) in work.faces.iter().enumerate().filter(|(_, f)| !f.is_empty()) {
         let piece = mesh.cut_open(faces.clone(), &work.glued);
         let mut cut_map = vec![Default::default(); piece.disk.positions.len()];
         for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
@@ -214,14 +174,98 @@ fn patches(
                 cut_map[v as usize] = work.uv[3 * f as usize + k];
             }
         }
-        let (start, kind) = match flatten::start_map(&piece.disk) {
-            // Tutte's circle is far from every good map; the joined patches are near one.
-            (_, StartMap::Tutte) => (cut_map.clone(), StartKind::Weld),
-            (start, kind) => (start, kind.into()),
+        // The sides come first; one that nothing was joined to is still a tube.
+        let alone = sides.get(number).filter(|side| side.faces == piece.faces);
+        let (shape, kind) = match alone.zip(tube) {
+            Some((side, t)) => {
+                let (origin, axis, radius, taper) = (t.origin, t.axis, t.radius, t.taper);
+                (ChartShape::Tubular { origin, axis, radius, taper }, side.kind)
+            }
+            None => (ChartShape::General, StartKind::Weld),
         };
-        charts.push(chart(mesh, part, piece, ChartShape::General, start, cut_map, kind));
+        charts.push(chart(mesh, part, piece, shape, cut_map.clone(), cut_map, kind));
     }
     Ok(charts)
+}
+
+/// Patch of each local face, which edges are closed, and the map of each patch. The sides come
+/// first.
+type Patches = (Vec<u32>, Vec<bool>, Vec<(Piece, Fit)>);
+
+fn patches(mesh: &PartMesh, sides: &[Side], bound: f64, run: &Run) -> Result<Patches, Canceled> {
+    let mut patch_of = vec![NONE; mesh.len()];
+    for (number, side) in (0u32..).zip(sides) {
+        side.faces.iter().for_each(|&f| patch_of[f as usize] = number);
+    }
+    let mut count = cluster(mesh, &mut patch_of, sides.len() as u32, run)?;
+    let mut fits: Vec<Option<(Piece, Fit)>> = vec![None; count as usize];
+    let mut pending: Vec<u32> = (sides.len() as u32..count).collect();
+    // Patches that are flattened without a cut, whatever holes they have.
+    let mut whole = vec![false; count as usize];
+    // Each round opens all patches and fits the new ones; what does not fit is divided. A single
+    // triangle always fits, so that this ends.
+    loop {
+        run.cancel.check()?;
+        let mut glued = open(mesh, &patch_of);
+        let inside: Vec<bool> = (0..mesh.twin.len())
+            .map(|h| {
+                let t = mesh.twin[h];
+                t != NONE && patch_of[t as usize / 3] == patch_of[h / 3]
+            })
+            .collect();
+        let mut faces = vec![Vec::new(); count as usize];
+        for (f, &p) in patch_of.iter().enumerate() {
+            faces[p as usize].push(f as u32);
+        }
+        let mut divided = Vec::new();
+        for patch in std::mem::take(&mut pending) {
+            let piece = mesh.cut_open(faces[patch as usize].clone(), &inside);
+            let is_disk = flatten::is_disk(&piece.disk);
+            if let Some(fit) = fit_patch(&piece, bound, run)? {
+                whole[patch as usize] = true;
+                fits[patch as usize] = Some((piece, fit));
+                continue;
+            }
+            if !is_disk {
+                let piece = mesh.cut_open(faces[patch as usize].clone(), &glued);
+                if let Some(fit) = fit_patch(&piece, bound, run)? {
+                    fits[patch as usize] = Some((piece, fit));
+                    continue;
+                }
+            }
+            let pieces = halves(mesh, &faces[patch as usize]);
+            pending.push(patch);
+            for piece in &pieces[1..] {
+                piece.iter().for_each(|&f| divided.push((f, count)));
+                pending.push(count);
+                fits.push(None);
+                whole.push(false);
+                count += 1;
+            }
+        }
+        if pending.is_empty() {
+            for (h, glued) in glued.iter_mut().enumerate() {
+                *glued |= inside[h] && whole[patch_of[h / 3] as usize];
+            }
+            for side in sides {
+                glue_side(mesh, &side.faces, &side.cut, &mut glued);
+            }
+            for (number, side) in sides.iter().enumerate() {
+                let piece = mesh.cut_open(side.faces.clone(), &glued);
+                fits[number] = Some((piece, side.fit.clone()));
+            }
+            return Ok((patch_of, glued, fits.into_iter().flatten().collect()));
+        }
+        divided.into_iter().for_each(|(f, p)| patch_of[f as usize] = p);
+    }
+}
+
+fn fit_patch(piece: &Piece, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+    if let &[triangle] = &piece.disk.triangles[..] {
+        let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
+        return Ok(Some(Fit { uv: flatten_triangle(a, b, c).to_vec(), energy: 0.0 }));
+    }
+    from_scratch(&piece.disk, bound, run)
 }
 
 fn chart(

@@ -28,9 +28,16 @@ struct Cluster {
     neighbours: Vec<u32>,
 }
 
-/// Patch of each local face, numbered in order of first face.
-pub fn cluster(mesh: &PartMesh, run: &Run) -> Result<Vec<u32>, Canceled> {
+/// Give every local face that has no patch yet ([`NONE`]) one, numbered from `first` on in order of
+/// first face. Returns the number after the last.
+pub fn cluster(
+    mesh: &PartMesh,
+    patch_of: &mut [u32],
+    first: u32,
+    run: &Run,
+) -> Result<u32, Canceled> {
     let n = mesh.len();
+    let free = |f: usize| patch_of[f] == NONE;
     let mut clusters: Vec<Cluster> = (0..n)
         .map(|f| Cluster {
             vector: mesh.normal(f) * mesh.area(f),
@@ -39,7 +46,7 @@ pub fn cluster(mesh: &PartMesh, run: &Run) -> Result<Vec<u32>, Canceled> {
             faces: vec![f as u32],
             neighbours: (0..3)
                 .map(|k| mesh.twin[3 * f + k])
-                .filter(|&t| t != NONE)
+                .filter(|&t| t != NONE && free(f) && free(t as usize / 3))
                 .map(|t| t / 3)
                 .collect(),
         })
@@ -91,17 +98,15 @@ pub fn cluster(mesh: &PartMesh, run: &Run) -> Result<Vec<u32>, Canceled> {
         }
     }
     let mut number = vec![NONE; n];
-    let mut next = 0;
-    Ok(owner
-        .iter()
-        .map(|&o| {
-            if number[o as usize] == NONE {
-                number[o as usize] = next;
-                next += 1;
-            }
-            number[o as usize]
-        })
-        .collect())
+    let mut next = first;
+    for (patch, &o) in patch_of.iter_mut().zip(&owner).filter(|(p, _)| **p == NONE) {
+        if number[o as usize] == NONE {
+            number[o as usize] = next;
+            next += 1;
+        }
+        *patch = number[o as usize];
+    }
+    Ok(next)
 }
 
 type Entry = Reverse<(u64, u32, u32, u32, u32)>;

@@ -7,9 +7,21 @@ use crate::flatten::{self, Disk, SlimOptions, UvMap};
 /// Descent steps that a trial may take: a union that is far off after these is refused.
 const STEPS: u32 = 8;
 
+/// Times the last decrease that a trial is still hoped to descend.
+const HOPELESS: f64 = 4.0;
+
+/// A map that fits.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The map: injective, scale 1.
+    pub uv: UvMap,
+    /// Area-weighted mean symmetric Dirichlet energy, minus 1.
+    pub energy: f64,
+}
+
 /// Improve a map until it is within the bound (area-weighted mean symmetric Dirichlet energy, minus 1)
 /// and proved injective, from scratch where it has flips; `None` where that cannot be had.
-pub fn refine(disk: &Disk, warm: UvMap, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
+pub fn refine(disk: &Disk, warm: UvMap, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
     let warm = flatten::rescale(disk, warm);
     if flatten::quality(disk, &warm).flips > 0 {
         return from_scratch(disk, bound, run);
@@ -18,18 +30,19 @@ pub fn refine(disk: &Disk, warm: UvMap, bound: f64, run: &Run) -> Result<Option<
 }
 
 /// The best start map, improved as [`refine`] does.
-pub fn from_scratch(disk: &Disk, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
+pub fn from_scratch(disk: &Disk, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
     let (start, _) = flatten::start_map(disk);
     descend(disk, start, bound, run)
 }
 
-fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<UvMap>, Canceled> {
+fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
     let mut uv = start;
     let mut quality = flatten::quality(disk, &uv);
     if quality.mean - 1.0 > bound {
         let options = SlimOptions {
             iterations: STEPS,
             target: Some(1.0 + 0.9 * bound),
+            give_up: Some(HOPELESS),
             ..Default::default()
         };
         uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
@@ -37,5 +50,5 @@ fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<Uv
     }
     let energy = quality.mean - 1.0;
     let fits = energy <= bound && quality.flips == 0 && flatten::certify(disk, &uv).is_injective();
-    Ok(fits.then_some(uv))
+    Ok(fits.then_some(Fit { uv, energy }))
 }

@@ -1,17 +1,26 @@
 //! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). The dearest seams are
-//! closed first; a path is closed only if the union keeps its distortion within the bound and is
-//! proved injective. Two disks joined along one path are a disk, and so is a disk whose border is
-//! zipped from a tip, so that charts are disks at every moment.
+//! closed first, a path at a time. A path is closed if the union stays within the distortion bound,
+//! is proved injective, and the objective J = ΣA·SD/ΣA + λ Σℓc/√ΣA falls. Two disks joined along one
+//! path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two sides lie side
+//! by side already is closed to a hole.
+//!
+//! A path that cannot be closed as a whole is tried again in two halves, parted where the surface is
+//! bent most (largest angle defect): two faces of a box meet along one straight edge, the cap of a
+//! prism along one of its many.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
 use glam::{DMat2, DVec2};
 
+use super::candidates::{self, Candidate};
 use super::cost::edge_cost;
+use super::extent::{self, Extent};
 use super::fit::refine;
 use super::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
+use crate::flatten::UvMap;
+use crate::mesh::Surface;
 
 /// A path whose two sides differ by more than this share of its length (rms, after the best rigid
 /// motion) is not worth a solve.
@@ -20,189 +29,222 @@ const MISMATCH: f64 = 0.12;
 /// Faces that all attempts together may flatten, per face of the part.
 const WORK_PER_FACE: usize = 24;
 
-/// A path that may be closed: half-edges on the border of `a`, in order; their twins lie on the
-/// border of `b`, which is `a` itself for a zip.
-struct Candidate {
-    a: u32,
-    b: u32,
-    versions: (u32, u32),
-    path: Vec<u32>,
+/// What a union may cost.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
+    pub bound: f64,
+    /// λ√ΣA: what a unit of seam (length times cost) is worth in energy times area.
+    pub worth: f64,
+    /// What one chart less is worth, as a seam: length times cost.
+    pub chart: f64,
+    /// Length to which charts may be joined.
+    pub length: f64,
+}
+
+/// λ of the objective, as a share of the distortion bound.
+const SEAM: f64 = 0.2;
+
+/// Empty space in the rectangle around a union, over its area: a cross of six squares has 1.
+const WASTE: f64 = 1.1;
+
+/// Length of a chart, over √ΣA, that still lets a page be filled well.
+const LENGTH: f64 = 1.15;
+
+/// What a chart less is worth: the seam of this length times √ΣA, at cost 1.
+const CHART: f64 = 0.05;
+
+impl Limits {
+    /// For charts of a surface.
+    pub fn new(surface: &Surface, bound: f64) -> Self {
+        let size = surface.area().sqrt();
+        Self { bound, worth: SEAM * bound * size, chart: CHART * size, length: LENGTH * size }
+    }
+}
+
+/// Candidates, dearest seam first.
+struct Queue {
+    heap: BinaryHeap<(u64, Reverse<u32>)>,
+    /// Each with the versions of its charts when it was found.
+    waiting: Vec<Option<(Candidate, [u32; 2])>>,
+    /// How often each chart has changed.
+    version: Vec<u32>,
+    /// Seams that could not be closed.
+    failed: BTreeSet<(u32, u32)>,
+}
+
+impl Queue {
+    fn versions(&self, candidate: &Candidate) -> [u32; 2] {
+        [candidate.a, candidate.b].map(|c| self.version[c as usize])
+    }
+
+    fn push(&mut self, work: &Patchwork, candidate: Candidate) {
+        if self.failed.contains(&candidate.key(work)) {
+            return;
+        }
+        let seam: f64 = candidate.path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
+        self.heap.push((seam.to_bits(), Reverse(self.waiting.len() as u32)));
+        let versions = self.versions(&candidate);
+        self.waiting.push(Some((candidate, versions)));
+    }
+
+    /// The dearest seam between charts that have not changed since, and its cost.
+    fn pop(&mut self, work: &Patchwork) -> Option<(Candidate, f64)> {
+        while let Some((seam, Reverse(id))) = self.heap.pop() {
+            let Some((candidate, versions)) = self.waiting[id as usize].take() else { continue };
+            if versions == self.versions(&candidate) && !self.failed.contains(&candidate.key(work))
+            {
+                return Some((candidate, f64::from_bits(seam)));
+            }
+        }
+        None
+    }
 }
 
 /// Close paths until none is left that may be.
-pub fn merge(work: &mut Patchwork, bound: f64, run: &Run) -> Result<(), Canceled> {
+pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Canceled> {
     let charts = work.faces.len();
-    let mut version = vec![0u32; charts];
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut heap = BinaryHeap::new();
-    let mut failed: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); charts];
+    let mut queue = Queue {
+        heap: BinaryHeap::new(),
+        waiting: Vec::new(),
+        version: vec![0; charts],
+        failed: BTreeSet::new(),
+    };
     let mut allowance = WORK_PER_FACE * work.mesh.len() + 20_000;
+    let defects = candidates::angle_defects(work.mesh);
     for chart in 0..charts as u32 {
-        offer(work, chart, &version, |b| b > chart, &mut candidates, &mut heap);
+        for candidate in candidates::around(work, chart) {
+            if candidate.b >= chart {
+                queue.push(work, candidate);
+            }
+        }
     }
-    while let Some((_, Reverse(id))) = heap.pop() {
+    while let Some((candidate, seam)) = queue.pop(work) {
         run.cancel.check()?;
-        let candidate = &candidates[id as usize];
         let (a, b) = (candidate.a, candidate.b);
-        let current = (version[a as usize], version[b as usize]);
-        if candidate.versions != current || failed[a as usize].contains(&b) {
+        let closed = match Attempt::prepare(work, &candidate) {
+            None => false,
+            Some(attempt) => {
+                let size = work.faces[a as usize].len() + work.faces[b as usize].len();
+                if size > allowance {
+                    continue;
+                }
+                allowance -= size;
+                attempt.close(work, &candidate, seam, limits, run)?
+            }
+        };
+        if !closed {
+            queue.failed.insert(candidate.key(work));
+            for half in candidate.halves(work, &defects) {
+                queue.push(work, half);
+            }
             continue;
         }
-        let size = work.faces[a as usize].len() + work.faces[b as usize].len();
-        if size > allowance {
-            continue;
-        }
-        allowance -= size;
-        let path = std::mem::take(&mut candidates[id as usize].path);
-        if !close(work, a, b, &path, bound, run)? {
-            failed[a as usize].insert(b);
-            failed[b as usize].insert(a);
-            continue;
-        }
-        version[a as usize] += 1;
+        queue.version[a as usize] += 1;
         if a != b {
-            version[b as usize] += 1;
-            // What one of the two could not be joined to, the union cannot either.
-            let others = std::mem::take(&mut failed[b as usize]);
-            others.iter().for_each(|&o| {
-                failed[o as usize].insert(a);
-            });
-            failed[a as usize].extend(others);
+            queue.version[b as usize] += 1;
         }
-        failed[a as usize].remove(&a);
-        offer(work, a, &version, |_| true, &mut candidates, &mut heap);
+        for candidate in candidates::around(work, a) {
+            queue.push(work, candidate);
+        }
     }
     Ok(())
 }
 
-/// Find the paths between a chart and its neighbours, and the zips of its own border.
-fn offer(
-    work: &Patchwork,
-    chart: u32,
-    version: &[u32],
-    wanted: impl Fn(u32) -> bool,
-    candidates: &mut Vec<Candidate>,
-    heap: &mut BinaryHeap<(u64, Reverse<u32>)>,
-) {
-    let border = work.border(chart);
-    let mut push = |b: u32, path: Vec<u32>| {
-        let gain: f64 = path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
-        let versions = (version[chart as usize], version[b as usize]);
-        heap.push((gain.to_bits(), Reverse(candidates.len() as u32)));
-        candidates.push(Candidate { a: chart, b, versions, path });
-    };
-    for path in runs(work, chart, &border) {
-        let b = work.across(path[0]).unwrap_or(chart);
-        if wanted(b) {
-            push(b, path);
-        }
-    }
-    for path in zips(work, &border) {
-        push(chart, path);
-    }
+/// A union that is worth a solve.
+struct Attempt {
+    /// Rotation and shift that lay the other chart next to this one; none for a zip.
+    motion: Option<(DMat2, DVec2)>,
 }
 
-/// Maximal paths along a border that have one and the same other chart on their other side, there
-/// in one piece too.
-fn runs(work: &Patchwork, chart: u32, border: &[u32]) -> Vec<Vec<u32>> {
-    let twin = |h: u32| work.mesh.twin[h as usize];
-    let other = |h: u32| work.across(h).filter(|&b| b != chart);
-    let follows = |h: u32, g: u32| {
-        other(h).is_some() && other(h) == other(g) && work.next_on_border(twin(g)) == twin(h)
-    };
-    let n = border.len();
-    // Start where a run starts, if there is such a place; a border that is one run all round has
-    // its last edge left out, for it would close a sphere.
-    let start = (0..n).find(|&i| !follows(border[(i + n - 1) % n], border[i]));
-    let mut found: Vec<Vec<u32>> = Vec::new();
-    let Some(start) = start else {
-        return vec![border[..n - 1].to_vec()];
-    };
-    for i in 0..n {
-        let h = border[(start + i) % n];
-        if other(h).is_none() {
-            continue;
+impl Attempt {
+    fn prepare(work: &Patchwork, candidate: &Candidate) -> Option<Self> {
+        if candidate.a != candidate.b {
+            return rigid_motion(work, &candidate.path).map(|m| Self { motion: Some(m) });
         }
-        match found.last_mut() {
-            Some(path) if i > 0 && path.last().is_some_and(|&g| follows(g, h)) => path.push(h),
-            _ => found.push(vec![h]),
-        }
+        // A slit is closed where its sides all but touch: what is round stays open.
+        let close = candidate.zip || gap(work, &candidate.path) <= MISMATCH;
+        close.then_some(Self { motion: None })
     }
-    // Closing every edge of the other's border would close it up too.
-    found.retain(|path| !path.is_empty());
-    found
-}
 
-/// Paths that close a border upon itself from a tip outwards.
-fn zips(work: &Patchwork, border: &[u32]) -> Vec<Vec<u32>> {
-    let n = border.len();
-    let twin = |h: u32| work.mesh.twin[h as usize];
-    let mut found = Vec::new();
-    for i in 0..n {
-        let mut path = Vec::new();
-        while 2 * (path.len() + 1) < n {
-            let (left, right) =
-                (border[(i + n - path.len()) % n], border[(i + 1 + path.len()) % n]);
-            if twin(left) != right {
-                break;
+    /// Whether a page can be filled with such unions: not too long, and the rectangle around it filled
+    /// well, or no worse than those of the two charts.
+    fn is_compact(
+        &self,
+        work: &Patchwork,
+        candidate: &Candidate,
+        union: &Extent,
+        area: f64,
+        limits: &Limits,
+    ) -> bool {
+        let [a, b] = [candidate.a, candidate.b].map(|c| work.extent[c as usize]);
+        let waste = |c: u32| work.extent[c as usize].rectangle - work.area[c as usize];
+        let wasted = waste(candidate.a) + waste(candidate.b);
+        union.length <= a.length.max(b.length).max(limits.length)
+            && union.rectangle - area <= wasted.max(WASTE * area)
+    }
+
+    /// Try to close the path. On success the union is chart `a`.
+    fn close(
+        self,
+        work: &mut Patchwork,
+        candidate: &Candidate,
+        seam: f64,
+        limits: &Limits,
+        run: &Run,
+    ) -> Result<bool, Canceled> {
+        let (a, b) = (candidate.a, candidate.b);
+        work.set_glued(&candidate.path, true);
+        let mut faces = work.faces[a as usize].clone();
+        let mut spent = work.energy[a as usize];
+        let mut saved = seam;
+        if a != b {
+            faces.extend_from_slice(&work.faces[b as usize]);
+            faces.sort_unstable();
+            spent += work.energy[b as usize];
+            saved += limits.chart;
+        }
+        let piece = work.mesh.cut_open(faces, &work.glued);
+        // Warm map: every vertex at the mean of its corners, `b` moved next to `a`.
+        let mut sum = vec![(DVec2::ZERO, 0.0); piece.disk.positions.len()];
+        for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
+            let theirs = self.motion.filter(|_| work.chart_of[f as usize] == b);
+            for (k, &v) in triangle.iter().enumerate() {
+                let at = work.uv[3 * f as usize + k];
+                let at = theirs.map_or(at, |(rotation, shift)| rotation * at + shift);
+                let entry = &mut sum[v as usize];
+                *entry = (entry.0 + at, entry.1 + 1.0);
             }
-            path.push(left);
         }
-        if !path.is_empty() {
-            found.push(path);
+        let warm: UvMap = sum.into_iter().map(|(total, count)| total / count).collect();
+        let area = piece.disk.area();
+        if a != b && !self.is_compact(work, candidate, &extent::extent(&warm), area, limits) {
+            work.set_glued(&candidate.path, false);
+            return Ok(false);
         }
+        let allowed = ((spent + limits.worth * saved) / area).min(limits.bound);
+        let Some(fit) = refine(&piece.disk, warm, allowed, run)? else {
+            work.set_glued(&candidate.path, false);
+            return Ok(false);
+        };
+        if a != b {
+            work.absorb(a, b);
+        }
+        work.place(a, &piece, &fit);
+        Ok(true)
     }
-    found
 }
 
-/// Try to close one path. On success the union is chart `a`.
-fn close(
-    work: &mut Patchwork,
-    a: u32,
-    b: u32,
-    path: &[u32],
-    bound: f64,
-    run: &Run,
-) -> Result<bool, Canceled> {
-    let mut moved = None;
-    if a != b {
-        let Some(motion) = rigid_motion(work, path) else { return Ok(false) };
-        moved = Some(motion);
+/// Distance (rms) between the two sides of a path, as a share of its length.
+fn gap(work: &Patchwork, path: &[u32]) -> f64 {
+    let (mut sum, mut length) = (0.0, 0.0);
+    for &h in path {
+        let t = work.mesh.twin[h as usize];
+        sum += work.uv[h as usize].distance_squared(work.uv[next(t) as usize]);
+        sum += work.uv[next(h) as usize].distance_squared(work.uv[t as usize]);
+        length += work.mesh.length(h);
     }
-    work.set_glued(path, true);
-    let mut faces = work.faces[a as usize].clone();
-    if a != b {
-        faces.extend_from_slice(&work.faces[b as usize]);
-        faces.sort_unstable();
-    }
-    let piece = work.mesh.cut_open(faces, &work.glued);
-    // Warm map: every vertex at the mean of its corners, `b` moved next to `a`.
-    let mut sum = vec![(DVec2::ZERO, 0.0); piece.disk.positions.len()];
-    for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
-        let theirs = moved.filter(|_| work.chart_of[f as usize] == b);
-        for (k, &v) in triangle.iter().enumerate() {
-            let at = work.uv[3 * f as usize + k];
-            let at = theirs.map_or(at, |(rotation, shift): (DMat2, DVec2)| rotation * at + shift);
-            let entry = &mut sum[v as usize];
-            *entry = (entry.0 + at, entry.1 + 1.0);
-        }
-    }
-    let warm = sum.into_iter().map(|(total, count)| total / count).collect();
-    let Some(uv) = refine(&piece.disk, warm, bound, run)? else {
-        work.set_glued(path, false);
-        return Ok(false);
-    };
-    for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
-        work.chart_of[f as usize] = a;
-        for (k, &v) in triangle.iter().enumerate() {
-            work.uv[3 * f as usize + k] = uv[v as usize];
-        }
-    }
-    if a != b {
-        work.faces[b as usize].clear();
-    }
-    work.faces[a as usize] = piece.faces;
-    Ok(true)
+    (sum / (2.0 * path.len() as f64)).sqrt() / length
 }
 
 /// The rotation and shift that lay the far side of a path best onto its near side, unless they

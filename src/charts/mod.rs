@@ -5,9 +5,11 @@
 
 pub mod boundary;
 mod build;
+mod candidates;
 mod chart;
 mod cluster;
 mod cost;
+mod extent;
 mod fit;
 mod merge;
 mod open;

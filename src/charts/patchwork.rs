@@ -1,9 +1,13 @@
 //! The patches of a part while they are joined to charts: who owns which face, which edges are
-//! closed, and where each corner lies in the plane. Every chart is a disk at every moment.
+//! closed, and where each corner lies in the plane.
+
+use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::part_mesh::PartMesh;
+use super::extent::{Extent, extent};
+use super::fit::Fit;
+use super::part_mesh::{PartMesh, Piece};
 use crate::mesh::NONE;
 
 /// Charts in the making.
@@ -18,6 +22,12 @@ pub struct Patchwork<'a> {
     pub uv: Vec<DVec2>,
     /// Faces of each chart, ascending; empty for one that was absorbed.
     pub faces: Vec<Vec<u32>>,
+    /// How far each chart's map reaches.
+    pub extent: Vec<Extent>,
+    /// Area of each chart.
+    pub area: Vec<f64>,
+    /// Symmetric Dirichlet energy of each chart over an isometry's, times its area.
+    pub energy: Vec<f64>,
 }
 
 impl<'a> Patchwork<'a> {
@@ -29,7 +39,29 @@ impl<'a> Patchwork<'a> {
             faces[c as usize].push(f as u32);
         }
         let uv = vec![DVec2::ZERO; 3 * mesh.len()];
-        Self { mesh, chart_of, glued, uv, faces }
+        let area = faces.iter().map(|f| f.iter().map(|&f| mesh.area(f as usize)).sum()).collect();
+        let (extent, energy) = (vec![Extent::default(); count], vec![0.0; count]);
+        Self { mesh, chart_of, glued, uv, faces, extent, area, energy }
+    }
+
+    /// Put a chart's map in place.
+    pub fn place(&mut self, chart: u32, piece: &Piece, fit: &Fit) {
+        for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
+            for (k, &v) in triangle.iter().enumerate() {
+                self.uv[3 * f as usize + k] = fit.uv[v as usize];
+            }
+        }
+        self.extent[chart as usize] = extent(&fit.uv);
+        self.energy[chart as usize] = fit.energy * self.area[chart as usize];
+    }
+
+    /// Chart `gone` becomes part of `keep`.
+    pub fn absorb(&mut self, keep: u32, gone: u32) {
+        let faces = std::mem::take(&mut self.faces[gone as usize]);
+        faces.iter().for_each(|&f| self.chart_of[f as usize] = keep);
+        self.faces[keep as usize].extend(faces);
+        self.faces[keep as usize].sort_unstable();
+        self.area[keep as usize] += self.area[gone as usize];
     }
 
     /// The next half-edge of the loop that a chart's border half-edge belongs to.
@@ -41,19 +73,25 @@ impl<'a> Patchwork<'a> {
         n
     }
 
-    /// The border of a chart as one loop of half-edges, starting at its lowest. Every chart is a
-    /// disk, so that there is one loop.
-    pub fn border(&self, chart: u32) -> Vec<u32> {
-        let open = |&h: &u32| !self.glued[h as usize];
-        let mut corners = self.faces[chart as usize].iter().flat_map(|&f| 3 * f..3 * f + 3);
-        let Some(first) = corners.find(open) else { return Vec::new() };
-        let mut border = vec![first];
-        let mut h = self.next_on_border(first);
-        while h != first {
-            border.push(h);
-            h = self.next_on_border(h);
+    /// The border of a chart as loops of half-edges, each starting at its lowest: one, and one more
+    /// for each hole.
+    pub fn borders(&self, chart: u32) -> Vec<Vec<u32>> {
+        let mut loops: Vec<Vec<u32>> = Vec::new();
+        let mut seen = BTreeSet::new();
+        for first in self.faces[chart as usize].iter().flat_map(|&f| 3 * f..3 * f + 3) {
+            if self.glued[first as usize] || seen.contains(&first) {
+                continue;
+            }
+            let mut ring = vec![first];
+            let mut h = self.next_on_border(first);
+            while h != first {
+                ring.push(h);
+                h = self.next_on_border(h);
+            }
+            seen.extend(ring.iter().copied());
+            loops.push(ring);
         }
-        border
+        loops
     }
 
     /// The chart on the other side of a border half-edge.

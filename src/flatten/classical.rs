@@ -29,9 +29,26 @@ pub struct Island {
 const PAGE: u32 = 4096;
 
 /// Unwrap triangles over `positions`. Every face comes back in exactly one island; faces without
-/// area come back alone, with a map without area. Errors when the unwrapper refuses the mesh
-/// (indices out of range, positions not finite).
+/// area come back alone, with a map without area, and so do the faces of an island that is not proved
+/// injective. Errors when the unwrapper refuses the mesh (indices out of range, positions not finite).
 pub fn unwrap_classically(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+) -> Result<Vec<Island>, FlattenError> {
+    let (proved, others): (Vec<Island>, Vec<Island>) =
+        classical_islands(positions, triangles)?.into_iter().partition(|island| {
+            island.faces.len() == 1 || certify(&island.disk, &island.uv).is_injective()
+        });
+    let alone = others.iter().flat_map(|island| &island.faces);
+    let mut islands = proved;
+    islands.extend(alone.map(|&f| single_triangle(positions, triangles, f)));
+    islands.sort_by_key(|island| island.faces[0]);
+    Ok(islands)
+}
+
+/// The islands as the unwrapper makes them, proved or not; some have holes. Every face comes back in
+/// exactly one; a face that the unwrapper left out comes back alone.
+pub fn classical_islands(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
 ) -> Result<Vec<Island>, FlattenError> {
@@ -63,12 +80,7 @@ pub fn unwrap_classically(
     let mut islands = Vec::new();
     for faces in groups.into_values() {
         let at = |f: u32, k: usize| DVec2::from(corner(f as usize, k).uv.map(f64::from)) * page;
-        let island = glue(positions, triangles, &faces, at);
-        if certify(&island.disk, &island.uv).is_injective() {
-            islands.push(island);
-        } else {
-            alone.extend(faces);
-        }
+        islands.push(glue(positions, triangles, &faces, at));
     }
     islands.extend(alone.into_iter().map(|f| single_triangle(positions, triangles, f)));
     islands.sort_by_key(|island| island.faces[0]);

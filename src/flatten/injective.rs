@@ -1,7 +1,9 @@
 //! The proof that a chart's map is injective: every triangle positively oriented and a simple
 //! boundary polygon make a map of a disk one to one (Lipman, "Bijective mappings of meshes with
-//! boundary and the degree in mesh processing", 2014, theorem 1). Both are decided by exact
-//! predicates (Shewchuk 1997), so that rounding cannot lie.
+//! boundary and the degree in mesh processing", 2014, theorem 1). With holes the same holds: a point is
+//! covered as often as the boundary polygons wind around it, all together, and that is at most once
+//! where they are simple, do not meet, and only one of them runs counter-clockwise. Signs are decided
+//! by exact predicates (Shewchuk 1997), so that rounding cannot lie.
 
 use glam::DVec2;
 use robust::{Coord, orient2d};
@@ -17,7 +19,8 @@ pub struct ChartProof {
     pub flipped: u64,
     /// Triangles of positive 3D area whose corners are collinear in UV.
     pub zero_area: u64,
-    /// Whether the chart is a disk whose boundary polygon neither crosses nor touches itself.
+    /// Whether the chart is one manifold piece whose boundary polygons neither cross nor touch, one of
+    /// them around all others.
     pub simple_boundary: bool,
 }
 
@@ -62,37 +65,59 @@ pub fn certify(disk: &Disk, uv: &[DVec2]) -> ChartProof {
             _ => {}
         }
     }
-    let simple_boundary = border.is_disk() && {
-        let polygon: Vec<DVec2> = border.loops[0].iter().map(|&v| uv[v as usize]).collect();
-        is_simple(&polygon)
-    };
-    ChartProof { flipped, zero_area, simple_boundary }
+    ChartProof { flipped, zero_area, simple_boundary: has_simple_boundary(&border, uv) }
 }
 
-/// Whether a closed polygon neither crosses nor touches itself: neighbouring edges share their
-/// common vertex and nothing else, other edges share nothing.
+/// Whether a chart is one manifold piece whose boundary polygons neither cross nor touch, exactly one
+/// of them counter-clockwise.
+pub fn has_simple_boundary(border: &Border, uv: &[DVec2]) -> bool {
+    if !border.manifold || border.pieces != 1 {
+        return false;
+    }
+    let rings: Vec<Vec<DVec2>> =
+        border.loops.iter().map(|ring| ring.iter().map(|&v| uv[v as usize]).collect()).collect();
+    rings.iter().filter(|ring| signed_area(ring) > 0.0).count() == 1 && are_simple(&rings)
+}
+
+/// Area within a polygon, negative if it runs clockwise.
+fn signed_area(ring: &[DVec2]) -> f64 {
+    let at = |k: usize| ring[k % ring.len()] - ring[0];
+    (1..ring.len()).map(|k| 0.5 * at(k).perp_dot(at(k + 1))).sum()
+}
+
+/// Whether a closed polygon neither crosses nor touches itself.
 pub fn is_simple(polygon: &[DVec2]) -> bool {
-    let n = polygon.len();
-    if n < 3 || polygon.iter().any(|p| !p.is_finite()) {
+    are_simple(&[polygon.to_vec()])
+}
+
+/// Whether closed polygons neither cross nor touch themselves or each other: neighbouring edges share
+/// their common vertex and nothing else, other edges share nothing.
+fn are_simple(rings: &[Vec<DVec2>]) -> bool {
+    // Edges of all rings in a row, each with the number of the edge after it.
+    let (mut edges, mut after) = (Vec::new(), Vec::new());
+    for ring in rings {
+        let n = ring.len();
+        if n < 3 || ring.iter().any(|p| !p.is_finite()) {
+            return false;
+        }
+        let first = edges.len() as u32;
+        for k in 0..n {
+            edges.push([ring[k], ring[(k + 1) % n]]);
+            after.push(first + ((k + 1) % n) as u32);
+        }
+    }
+    if edges.iter().any(|[a, b]| a == b) {
         return false;
     }
-    let edge = |i: u32| [polygon[i as usize], polygon[(i as usize + 1) % n]];
-    if (0..n as u32).any(|i| edge(i)[0] == edge(i)[1]) {
-        return false;
-    }
-    let boxes = (0..n as u32).map(|i| {
-        let [a, b] = edge(i);
-        [a.min(b), a.max(b)]
-    });
-    !Sweep::new(boxes.collect()).any(|i, j| {
-        let follows = j == i + 1;
-        let precedes = i == 0 && j as usize == n - 1;
+    let boxes = edges.iter().map(|[a, b]| [a.min(*b), a.max(*b)]).collect();
+    !Sweep::new(boxes).any(|i, j| {
+        let (e, f) = (edges[i as usize], edges[j as usize]);
         // In a triangle the last edge both precedes the first and follows the second: each pair
         // shares one vertex all the same.
-        match (follows, precedes) {
-            (true, _) => folds_back(edge(i), edge(j)),
-            (_, true) => folds_back(edge(j), edge(i)),
-            _ => segments_meet(edge(i), edge(j)),
+        match (after[i as usize] == j, after[j as usize] == i) {
+            (true, _) => folds_back(e, f),
+            (_, true) => folds_back(f, e),
+            _ => segments_meet(e, f),
         }
     })
 }
@@ -169,6 +194,26 @@ mod tests {
         assert_eq!(certify(&one, &line).zero_area, 1);
         let nan = vec![DVec2::NAN; 3];
         assert_eq!(certify(&one, &nan).flipped, 1);
+    }
+
+    #[test]
+    fn a_flat_sheet_with_a_hole_is_proved_and_one_that_is_filled_twice_is_not() {
+        let (disk, uv) = samples::plane(3, 3, 3.0, 3.0);
+        let center = |t: &[u32; 3]| t.iter().map(|&v| uv[v as usize]).sum::<DVec2>() / 3.0;
+        let hole = |t: &&[u32; 3]| (center(t) - 1.5).abs().max_element() > 0.5;
+        let ring = Disk::new(
+            disk.positions.clone(),
+            disk.triangles.iter().filter(hole).copied().collect(),
+        );
+        assert_eq!(Border::of(&ring).loops.len(), 2);
+        assert!(certify(&ring, &uv).is_injective());
+        // Mirrored, it has no counter-clockwise loop around it.
+        let mirrored: Vec<DVec2> = uv.iter().map(|p| DVec2::new(-p.x, p.y)).collect();
+        assert!(!certify(&ring, &mirrored).simple_boundary);
+        // The hole's rim pulled out over the border.
+        let mut pulled = uv.clone();
+        pulled[5] = DVec2::new(-0.5, 1.0);
+        assert!(!certify(&ring, &pulled).is_injective());
     }
 
     #[test]

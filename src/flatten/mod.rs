@@ -25,11 +25,12 @@ mod unroll;
 pub(crate) mod samples;
 
 pub use border::{Border, is_disk};
-pub use classical::{Island, unwrap_classically};
+pub use classical::{Island, classical_islands, unwrap_classically};
 pub use disk::{Disk, UvMap, flatten_triangle};
 pub use error::FlattenError;
 pub use injective::{
-    ChartProof, certify, count_flips, is_positive, is_simple, orientation, segments_meet,
+    ChartProof, certify, count_flips, has_simple_boundary, is_positive, is_simple, orientation,
+    segments_meet,
 };
 pub use jacobian::{
     MapQuality, quality, rescale, rescale_optimally, scale, singular_values, symmetric_dirichlet,

@@ -28,6 +28,8 @@ pub struct SlimOptions {
     pub tolerance: f64,
     /// End when the energy (area-weighted mean, 1 for an isometry) is at most this.
     pub target: Option<f64>,
+    /// End when the target is farther off than this many times what the last step took off.
+    pub give_up: Option<f64>,
     /// Refuse steps after which the boundary is not simple: a map that starts injective stays so,
     /// at the price of stopping where it would touch itself.
     pub keep_simple: bool,
@@ -35,7 +37,7 @@ pub struct SlimOptions {
 
 impl Default for SlimOptions {
     fn default() -> Self {
-        Self { iterations: 50, tolerance: 1e-3, target: None, keep_simple: false }
+        Self { iterations: 50, tolerance: 1e-3, target: None, give_up: None, keep_simple: false }
     }
 }
 
@@ -144,9 +146,14 @@ impl<'a> Descent<'a> {
             let next = self.search(&gradient, &step, energy);
             self.energies.extend(next);
             let share = next.map_or(0.0, |next| (energy - next) / (energy - 1.0));
+            let taken = next.map_or(0.0, |next| energy - next);
             energy = next.unwrap_or(energy);
             if done(energy) || (newton && share <= options.tolerance) {
                 return Ok(true);
+            }
+            let left = energy - options.target.unwrap_or(1.0);
+            if newton && options.give_up.is_some_and(|times| left > times * taken) {
+                return Ok(false);
             }
             newton |= share < SLOW;
         }

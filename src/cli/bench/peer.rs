@@ -22,7 +22,7 @@ pub fn measure(surface: &Surface) -> Value {
     }
     let raw = match surface.repairs.nonmanifold_edges {
         0 => None,
-        _ => flatten::unwrap_classically(&surface.positions, &surface.triangles).ok(),
+        _ => flatten::classical_islands(&surface.positions, &surface.triangles).ok(),
     };
     let counted = |islands: &[Island]| {
         islands.iter().filter(|i| i.faces.iter().any(|&f| surface.usable[f as usize])).count()
@@ -62,7 +62,7 @@ fn on_sheets(surface: &Surface) -> Option<Vec<Island>> {
         };
         let sheet: Vec<[u32; 3]> =
             faces.iter().map(|&f| triangles[f as usize].map(&mut local)).collect();
-        for mut island in flatten::unwrap_classically(&own, &sheet).ok()? {
+        for mut island in flatten::classical_islands(&own, &sheet).ok()? {
             island.faces.iter_mut().for_each(|f| *f = faces[*f as usize]);
             islands.push(island);
         }
