@@ -157,7 +157,7 @@ fn weld(
     limits: &Limits,
     run: &Run,
 ) -> Result<Vec<Chart>, Canceled> {
-    let (patch_of, glued, fits) = patches(mesh, sides, limits.bound, run)?;
+    let (patch_of, glued, fits) = patches(mesh, sides, limits, run)?;
     let mut work = Patchwork::new(mesh, patch_of, glued);
     for (chart, (piece, fit)) in (0u32..).zip(&fits) {
         work.place(chart, piece, fit);
@@ -192,7 +192,12 @@ fn weld(
 /// first.
 type Patches = (Vec<u32>, Vec<bool>, Vec<(Piece, Fit)>);
 
-fn patches(mesh: &PartMesh, sides: &[Side], bound: f64, run: &Run) -> Result<Patches, Canceled> {
+fn patches(
+    mesh: &PartMesh,
+    sides: &[Side],
+    limits: &Limits,
+    run: &Run,
+) -> Result<Patches, Canceled> {
     let mut patch_of = vec![NONE; mesh.len()];
     for (number, side) in (0u32..).zip(sides) {
         side.faces.iter().for_each(|&f| patch_of[f as usize] = number);
@@ -221,14 +226,14 @@ fn patches(mesh: &PartMesh, sides: &[Side], bound: f64, run: &Run) -> Result<Pat
         for patch in std::mem::take(&mut pending) {
             let piece = mesh.cut_open(faces[patch as usize].clone(), &inside);
             let is_disk = flatten::is_disk(&piece.disk);
-            if let Some(fit) = fit_patch(&piece, bound, run)? {
+            if let Some(fit) = fit_patch(&piece, limits, run)? {
                 whole[patch as usize] = true;
                 fits[patch as usize] = Some((piece, fit));
                 continue;
             }
             if !is_disk {
                 let piece = mesh.cut_open(faces[patch as usize].clone(), &glued);
-                if let Some(fit) = fit_patch(&piece, bound, run)? {
+                if let Some(fit) = fit_patch(&piece, limits, run)? {
                     fits[patch as usize] = Some((piece, fit));
                     continue;
                 }
@@ -260,12 +265,12 @@ fn patches(mesh: &PartMesh, sides: &[Side], bound: f64, run: &Run) -> Result<Pat
     }
 }
 
-fn fit_patch(piece: &Piece, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+fn fit_patch(piece: &Piece, limits: &Limits, run: &Run) -> Result<Option<Fit>, Canceled> {
     if let &[triangle] = &piece.disk.triangles[..] {
         let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
         return Ok(Some(Fit { uv: flatten_triangle(a, b, c).to_vec(), energy: 0.0 }));
     }
-    from_scratch(&piece.disk, bound, run)
+    from_scratch(&piece.disk, limits.bound, limits.clearance, run)
 }
 
 fn chart(

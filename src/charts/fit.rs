@@ -2,7 +2,7 @@
 //! patch and every merge is put to.
 
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, Disk, SlimOptions, UvMap};
+use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 
 /// Descent steps that a trial may take: a union that is far off after these is refused.
 const STEPS: u32 = 8;
@@ -21,21 +21,43 @@ pub struct Fit {
 
 /// Improve a map until it is within the bound (area-weighted mean symmetric Dirichlet energy, minus 1)
 /// and proved injective, from scratch where it has flips; `None` where that cannot be had.
-pub fn refine(disk: &Disk, warm: UvMap, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+pub fn refine(
+    disk: &Disk,
+    warm: UvMap,
+    bound: f64,
+    clearance: f64,
+    run: &Run,
+) -> Result<Option<Fit>, Canceled> {
     let warm = flatten::rescale(disk, warm);
     if flatten::quality(disk, &warm).flips > 0 {
-        return from_scratch(disk, bound, run);
+        return from_scratch(disk, bound, clearance, run);
     }
-    descend(disk, warm, bound, run)
+    descend(disk, warm, bound, clearance, run)
 }
 
 /// The best start map, improved as [`refine`] does.
-pub fn from_scratch(disk: &Disk, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+pub fn from_scratch(
+    disk: &Disk,
+    bound: f64,
+    clearance: f64,
+    run: &Run,
+) -> Result<Option<Fit>, Canceled> {
     let (start, _) = flatten::start_map(disk);
-    descend(disk, start, bound, run)
+    descend(disk, start, bound, clearance, run)
 }
 
-fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<Fit>, Canceled> {
+/// Whether a map is proved injective and its border keeps clear of itself.
+pub fn is_sound(disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
+    flatten::certify(disk, uv).is_injective() && flatten::is_clear(&Border::of(disk), uv, clearance)
+}
+
+fn descend(
+    disk: &Disk,
+    start: UvMap,
+    bound: f64,
+    clearance: f64,
+    run: &Run,
+) -> Result<Option<Fit>, Canceled> {
     let mut uv = start;
     let mut quality = flatten::quality(disk, &uv);
     if quality.mean - 1.0 > bound {
@@ -49,6 +71,6 @@ fn descend(disk: &Disk, start: UvMap, bound: f64, run: &Run) -> Result<Option<Fi
         quality = flatten::quality(disk, &uv);
     }
     let energy = quality.mean - 1.0;
-    let fits = energy <= bound && quality.flips == 0 && flatten::certify(disk, &uv).is_injective();
+    let fits = energy <= bound && quality.flips == 0 && is_sound(disk, &uv, clearance);
     Ok(fits.then_some(Fit { uv, energy }))
 }

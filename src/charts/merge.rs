@@ -40,6 +40,8 @@ pub struct Limits {
     pub chart: f64,
     /// Length to which charts may be joined.
     pub length: f64,
+    /// Distance that a border keeps from itself.
+    pub clearance: f64,
 }
 
 /// λ of the objective, as a share of the distortion bound.
@@ -54,11 +56,26 @@ const LENGTH: f64 = 1.15;
 /// What a chart less is worth: the seam of this length times √ΣA, at cost 1.
 const CHART: f64 = 0.05;
 
+/// Distance that a chart's border keeps from itself, over √ΣA: some steps of the lattice on which final
+/// coordinates lie (2⁻²⁴ of a page).
+const CLEARANCE: f64 = 5e-7;
+
+/// Distance that a chart's border keeps from itself, world units.
+pub fn clearance(surface: &Surface) -> f64 {
+    CLEARANCE * surface.area().sqrt()
+}
+
 impl Limits {
     /// For charts of a surface.
     pub fn new(surface: &Surface, bound: f64) -> Self {
         let size = surface.area().sqrt();
-        Self { bound, worth: SEAM * bound * size, chart: CHART * size, length: LENGTH * size }
+        Self {
+            bound,
+            worth: SEAM * bound * size,
+            chart: CHART * size,
+            length: LENGTH * size,
+            clearance: clearance(surface),
+        }
     }
 }
 
@@ -194,7 +211,11 @@ impl Attempt {
         run: &Run,
     ) -> Result<bool, Canceled> {
         let (a, b) = (candidate.a, candidate.b);
-        work.set_glued(&candidate.path, true);
+        let mut path = candidate.path.clone();
+        if let Some(motion) = self.motion {
+            path.extend(touching(work, candidate, motion, limits.clearance));
+        }
+        work.set_glued(&path, true);
         let mut faces = work.faces[a as usize].clone();
         let mut spent = work.energy[a as usize];
         let mut saved = seam;
@@ -219,12 +240,12 @@ impl Attempt {
         let warm: UvMap = sum.into_iter().map(|(total, count)| total / count).collect();
         let area = piece.disk.area();
         if a != b && !self.is_compact(work, candidate, &extent::extent(&warm), area, limits) {
-            work.set_glued(&candidate.path, false);
+            work.set_glued(&path, false);
             return Ok(false);
         }
         let allowed = ((spent + limits.worth * saved) / area).min(limits.bound);
-        let Some(fit) = refine(&piece.disk, warm, allowed, run)? else {
-            work.set_glued(&candidate.path, false);
+        let Some(fit) = refine(&piece.disk, warm, allowed, limits.clearance, run)? else {
+            work.set_glued(&path, false);
             return Ok(false);
         };
         if a != b {
@@ -233,6 +254,28 @@ impl Attempt {
         work.place(a, &piece, &fit);
         Ok(true)
     }
+}
+
+/// Other edges between two charts whose two sides come to lie on each other with the same motion.
+fn touching(
+    work: &Patchwork,
+    candidate: &Candidate,
+    (rotation, shift): (DMat2, DVec2),
+    clearance: f64,
+) -> Vec<u32> {
+    let meets = |near: u32, far: u32| {
+        let far = rotation * work.uv[far as usize] + shift;
+        far.distance(work.uv[near as usize]) < clearance
+    };
+    let half_edges = work.faces[candidate.a as usize].iter().flat_map(|&f| 3 * f..3 * f + 3);
+    half_edges
+        .filter(|h| !work.glued[*h as usize] && !candidate.path.contains(h))
+        .filter(|&h| work.across(h) == Some(candidate.b))
+        .filter(|&h| {
+            let t = work.mesh.twin[h as usize];
+            meets(h, next(t)) && meets(next(h), t)
+        })
+        .collect()
 }
 
 /// Distance (rms) between the two sides of a path, as a share of its length.

@@ -20,3 +20,5 @@ mod tube;
 
 pub use build::{ChartOptions, build, split_chart};
 pub use chart::{Chart, ChartShape, StartKind};
+pub use fit::is_sound;
+pub use merge::clearance;

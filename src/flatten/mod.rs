@@ -4,6 +4,7 @@
 
 mod border;
 mod classical;
+mod clearance;
 mod disk;
 mod error;
 mod injective;
@@ -26,6 +27,7 @@ pub(crate) mod samples;
 
 pub use border::{Border, is_disk};
 pub use classical::{Island, classical_islands, unwrap_classically};
+pub use clearance::is_clear;
 pub use disk::{Disk, UvMap, flatten_triangle};
 pub use error::FlattenError;
 pub use injective::{

@@ -9,7 +9,7 @@ use super::clock::Clock;
 use super::error::UnwrapError;
 use super::neural;
 use super::parts::Found;
-use crate::charts::Chart;
+use crate::charts::{self, Chart};
 use crate::contract::{Canceled, ChartForm, NeuralGain, Progress, Run, Stage, UnwrapOptions};
 use crate::device::Device;
 use crate::flatten::{self, Disk, SlimOptions, UvMap};
@@ -94,8 +94,9 @@ pub fn trained(
     clock.stage(Stage::Polish, run)?;
     let work: Vec<(Chart, Option<TrainedChart>)> =
         charts.into_iter().enumerate().map(|(i, c)| (c, trained.remove(&i))).collect();
+    let clearance = charts::clearance(&found.surface);
     let mapped: Result<Vec<Mapped>, Canceled> =
-        work.into_par_iter().map(|(chart, net)| polish(chart, net, run)).collect();
+        work.into_par_iter().map(|(chart, net)| polish(chart, net, clearance, run)).collect();
     let mapped = mapped?;
     tell_parts(found, &mapped, run);
     Ok(mapped)
@@ -119,10 +120,15 @@ fn tell_parts(found: &Found, mapped: &[Mapped], run: &Run) {
 }
 
 /// One chart's arms, and the best of them.
-fn polish(chart: Chart, net: Option<TrainedChart>, run: &Run) -> Result<Mapped, Canceled> {
+fn polish(
+    chart: Chart,
+    net: Option<TrainedChart>,
+    clearance: f64,
+    run: &Run,
+) -> Result<Mapped, Canceled> {
     let disk = &chart.disk;
     let start = flatten::quality(disk, &chart.start);
-    let proved = |uv: &UvMap| flatten::certify(disk, uv).is_injective();
+    let proved = |uv: &UvMap| charts::is_sound(disk, uv, clearance);
     if start.is_isometric() && net.is_none() && proved(&chart.start) {
         let uv = chart.start.clone();
         let isometric_start = true;
