@@ -8,7 +8,6 @@ mod pack;
 mod placement;
 mod quantise;
 mod raster;
-mod rectangle;
 mod shape;
 
 pub use certificate::{AtlasCertificates, Demands, Placed, certify_atlas};

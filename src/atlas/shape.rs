@@ -4,8 +4,7 @@
 
 use glam::DVec2;
 
-use super::rectangle::smallest_rectangle;
-use crate::flatten::Disk;
+use crate::flatten::{Disk, smallest_rectangle};
 
 /// The packer drops triangles thinner than 1e-6 of their mesh; a margin for rounding.
 const THINNEST: f64 = 4e-6;

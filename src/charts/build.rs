@@ -164,16 +164,11 @@ fn weld(
     }
     drop(fits);
     merge(&mut work, limits, run)?;
-    shorten(&mut work, limits.length);
+    shorten(&mut work, limits);
     let mut charts = Vec::new();
     for (number, faces) in work.faces.iter().enumerate().filter(|(_, f)| !f.is_empty()) {
         let piece = mesh.cut_open(faces.clone(), &work.glued);
-        let mut cut_map = vec![Default::default(); piece.disk.positions.len()];
-        for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
-            for (k, &v) in triangle.iter().enumerate() {
-                cut_map[v as usize] = work.uv[3 * f as usize + k];
-            }
-        }
+        let cut_map = flatten::rescale(&piece.disk, work.map_of(&piece));
         // The sides come first; one that nothing was joined to is still a tube.
         let alone = sides.get(number).filter(|side| side.faces == piece.faces);
         let (shape, kind) = match alone.zip(tube) {

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::part_mesh::PartMesh;
 use crate::contract::{Canceled, Run};
-use crate::mesh::NONE;
+use crate::mesh::{DisjointSets, NONE};
 
 /// Largest spread of a patch, 1 − |ΣA n|/ΣA. A spherical cap of half-angle 45° has 0.146.
 const SPREAD: f64 = 0.146;
@@ -23,10 +23,20 @@ const CONE: f64 = 0.25;
 struct Cluster {
     vector: DVec3,
     area: f64,
+    /// All its normals lie within this angle of its mean normal (an upper bound).
+    reach: f64,
     version: u32,
     faces: Vec<u32>,
-    neighbours: Vec<u32>,
 }
+
+impl Cluster {
+    fn axis(&self) -> DVec3 {
+        self.vector.normalize_or_zero()
+    }
+}
+
+/// Cost, the two faces at an edge, and the versions of their clusters when the cost was taken.
+type Entry = Reverse<(u64, u32, u32, u32, u32)>;
 
 /// Give every local face that has no patch yet ([`NONE`]) one, numbered from `first` on in order of
 /// first face. Returns the number after the last.
@@ -37,83 +47,71 @@ pub fn cluster(
     run: &Run,
 ) -> Result<u32, Canceled> {
     let n = mesh.len();
-    let free = |f: usize| patch_of[f] == NONE;
-    let mut clusters: Vec<Cluster> = (0..n)
-        .map(|f| Cluster {
-            vector: mesh.normal(f) * mesh.area(f),
-            area: mesh.area(f),
-            version: 0,
-            faces: vec![f as u32],
-            neighbours: (0..3)
-                .map(|k| mesh.twin[3 * f + k])
-                .filter(|&t| t != NONE && free(f) && free(t as usize / 3))
-                .map(|t| t / 3)
-                .collect(),
-        })
-        .collect();
-    let mut owner: Vec<u32> = (0..n as u32).collect();
-    let mut heap = BinaryHeap::new();
-    for f in 0..n as u32 {
-        for &g in &clusters[f as usize].neighbours.clone() {
-            if f < g {
-                push(&mut heap, &clusters, f, g);
-            }
+    let single = |f: usize| Cluster {
+        vector: mesh.normal(f) * mesh.area(f),
+        area: mesh.area(f),
+        reach: 0.0,
+        version: 0,
+        faces: vec![f as u32],
+    };
+    let mut clusters: Vec<Cluster> = (0..n).map(single).collect();
+    let mut sets = DisjointSets::new(n);
+    let mut heap: BinaryHeap<Entry> = BinaryHeap::new();
+    for (h, &t) in mesh.twin.iter().enumerate().filter(|(h, t)| **t != NONE && *h < **t as usize) {
+        let (f, g) = (h / 3, t as usize / 3);
+        if patch_of[f] == NONE && patch_of[g] == NONE && f != g {
+            push(&mut heap, &clusters, [f as u32, g as u32], [f as u32, g as u32]);
         }
     }
     let mut steps = 0u32;
-    while let Some(Reverse((_, a, b, va, vb))) = heap.pop() {
+    while let Some(Reverse((_, f, g, vf, vg))) = heap.pop() {
         steps += 1;
         if steps.is_multiple_of(4096) {
             run.cancel.check()?;
         }
-        let (ca, cb) = (&clusters[a as usize], &clusters[b as usize]);
-        if ca.version != va || cb.version != vb || !in_cone(mesh, ca, cb) {
+        let (a, b) = (sets.root(f), sets.root(g));
+        if a == b {
             continue;
         }
-        // The larger absorbs the smaller.
-        let (keep, gone) = if ca.faces.len() >= cb.faces.len() { (a, b) } else { (b, a) };
-        let absorbed = std::mem::replace(
-            &mut clusters[gone as usize],
-            Cluster {
-                vector: DVec3::ZERO,
-                area: 0.0,
-                version: u32::MAX,
-                faces: vec![],
-                neighbours: vec![],
-            },
-        );
-        absorbed.faces.iter().for_each(|&f| owner[f as usize] = keep);
-        let kept = &mut clusters[keep as usize];
-        kept.vector += absorbed.vector;
-        kept.area += absorbed.area;
-        kept.version += 1;
-        kept.faces.extend(absorbed.faces);
-        kept.neighbours.extend(absorbed.neighbours);
-        kept.neighbours.iter_mut().for_each(|g| *g = owner[*g as usize]);
-        kept.neighbours.sort_unstable();
-        kept.neighbours.dedup();
-        kept.neighbours.retain(|&g| g != keep);
-        for &g in &kept.neighbours.clone() {
-            push(&mut heap, &clusters, keep.min(g), keep.max(g));
+        let version = |c: u32| clusters[c as usize].version;
+        if (version(a), version(b)) != (vf, vg) {
+            // Costs rise as clusters grow: the edge waits for its turn at its new one.
+            push(&mut heap, &clusters, [f, g], [a, b]);
+            continue;
         }
+        let Some(reach) = reach(mesh, &clusters[a as usize], &clusters[b as usize]) else {
+            continue;
+        };
+        // The larger absorbs the smaller.
+        let larger = clusters[a as usize].faces.len() >= clusters[b as usize].faces.len();
+        let (keep, gone) = if larger { (a, b) } else { (b, a) };
+        sets.hang(gone, keep);
+        let faces = std::mem::take(&mut clusters[gone as usize].faces);
+        let (vector, area) = (clusters[gone as usize].vector, clusters[gone as usize].area);
+        let kept = &mut clusters[keep as usize];
+        kept.vector += vector;
+        kept.area += area;
+        kept.reach = reach;
+        kept.version += 1;
+        kept.faces.extend(faces);
     }
     let mut number = vec![NONE; n];
     let mut next = first;
-    for (patch, &o) in patch_of.iter_mut().zip(&owner).filter(|(p, _)| **p == NONE) {
-        if number[o as usize] == NONE {
-            number[o as usize] = next;
+    for (f, patch) in patch_of.iter_mut().enumerate().filter(|(_, p)| **p == NONE) {
+        let root = sets.root(f as u32) as usize;
+        if number[root] == NONE {
+            number[root] = next;
             next += 1;
         }
-        *patch = number[o as usize];
+        *patch = number[root];
     }
     Ok(next)
 }
 
-type Entry = Reverse<(u64, u32, u32, u32, u32)>;
-
-/// Offer a merge, unless the union would spread too far. Cost: the area-weighted spread that the
-/// merge adds, which makes flat regions first and prefers small patches.
-fn push(heap: &mut BinaryHeap<Entry>, clusters: &[Cluster], a: u32, b: u32) {
+/// Offer to join the clusters `[a, b]` across an edge, unless the union would spread too far. Cost:
+/// the area-weighted spread that the union adds, which joins flat regions first and prefers small
+/// patches.
+fn push(heap: &mut BinaryHeap<Entry>, clusters: &[Cluster], [f, g]: [u32; 2], [a, b]: [u32; 2]) {
     let (ca, cb) = (&clusters[a as usize], &clusters[b as usize]);
     let area = ca.area + cb.area;
     let length = (ca.vector + cb.vector).length();
@@ -121,12 +119,19 @@ fn push(heap: &mut BinaryHeap<Entry>, clusters: &[Cluster], a: u32, b: u32) {
         return;
     }
     let added = (ca.vector.length() + cb.vector.length() - length).max(0.0);
-    heap.push(Reverse((added.to_bits(), a, b, ca.version, cb.version)));
+    heap.push(Reverse((added.to_bits(), f, g, ca.version, cb.version)));
 }
 
-/// Whether all faces of a union lie within the cone about its mean normal.
-fn in_cone(mesh: &PartMesh, a: &Cluster, b: &Cluster) -> bool {
+/// How far the normals of a union are from its mean normal, if all lie within the cone about it. The
+/// faces are looked at only where the bound that the two clusters carry is not enough.
+fn reach(mesh: &PartMesh, a: &Cluster, b: &Cluster) -> Option<f64> {
     let mean = (a.vector + b.vector).normalize_or_zero();
-    let inside = |f: &u32| mesh.normal(*f as usize).dot(mean) > CONE;
-    a.faces.iter().all(inside) && b.faces.iter().all(inside)
+    let bound = |c: &Cluster| c.reach + c.axis().angle_between(mean);
+    let most = bound(a).max(bound(b));
+    if most < CONE.acos() {
+        return Some(most);
+    }
+    let cosine = |f: &u32| mesh.normal(*f as usize).dot(mean);
+    let least = a.faces.iter().chain(&b.faces).map(cosine).fold(1.0, f64::min);
+    (least > CONE).then(|| least.acos())
 }

@@ -2,15 +2,16 @@
 //! the others small: charts are not joined to longer ones than a well filled page is wide, and longer
 //! ones are divided across.
 
-use std::f64::consts::PI;
-
 use glam::DVec2;
 
+use super::fit::is_sound;
+use super::merge::Limits;
 use super::patchwork::Patchwork;
+use crate::flatten::{quality, smallest_rectangle};
 use crate::mesh::NONE;
 
-/// Directions in which a chart is measured; between two of them it is at most 1 % longer.
-const DIRECTIONS: u32 = 16;
+/// Charts longer than this many times the length to which they may be joined are divided.
+const TOO_LONG: f64 = 1.6;
 
 /// A division must leave charts no longer than this share of the whole.
 const SHORTER: f64 = 0.75;
@@ -21,29 +22,24 @@ const PIECES: f64 = 8.0;
 /// How far a map reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Extent {
-    /// In the direction in which it is longest.
+    /// Longer side of the smallest rectangle around it.
     pub length: f64,
-    /// That direction.
+    /// Direction of that side.
     pub axis: DVec2,
-    /// Area of the smallest rectangle around it.
+    /// Area of that rectangle.
     pub rectangle: f64,
 }
 
 /// Measure a map.
 pub fn extent(uv: &[DVec2]) -> Extent {
-    let width = |k: u32| {
-        let axis = DVec2::from_angle(PI * f64::from(k) / f64::from(DIRECTIONS));
-        let (low, high) = span(uv, axis);
-        high - low
-    };
-    let widths: Vec<f64> = (0..DIRECTIONS).map(width).collect();
-    let longest = (0..DIRECTIONS as usize).max_by(|&i, &j| widths[i].total_cmp(&widths[j]));
-    let longest = longest.unwrap_or(0);
-    // Directions a quarter turn apart.
-    let half = DIRECTIONS as usize / 2;
-    let rectangle = (0..half).map(|k| widths[k] * widths[k + half]).fold(f64::INFINITY, f64::min);
-    let axis = DVec2::from_angle(PI * longest as f64 / f64::from(DIRECTIONS));
-    Extent { length: widths[longest], axis, rectangle }
+    let Some([a, b, c, _]) = smallest_rectangle(uv, 0.0) else { return Extent::default() };
+    let (one, other) = (b - a, c - b);
+    let long = if one.length() >= other.length() { one } else { other };
+    Extent {
+        length: long.length(),
+        axis: long.normalize_or_zero(),
+        rectangle: one.length() * other.length(),
+    }
 }
 
 fn span(uv: &[DVec2], axis: DVec2) -> (f64, f64) {
@@ -52,16 +48,16 @@ fn span(uv: &[DVec2], axis: DVec2) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
 }
 
-/// Divide the charts that are longer than `limit` across, into equal lengths, where their triangles
+/// Divide the charts that are far too long across, into equal lengths, where their triangles
 /// allow it. Maps stay as they are.
-pub fn shorten(work: &mut Patchwork, limit: f64) {
+pub fn shorten(work: &mut Patchwork, limits: &Limits) {
     for chart in 0..work.faces.len() as u32 {
         let faces = std::mem::take(&mut work.faces[chart as usize]);
         let corners = |f: &u32| 3 * *f as usize..3 * *f as usize + 3;
         let uv: Vec<DVec2> = faces.iter().flat_map(corners).map(|c| work.uv[c]).collect();
         let Extent { length, axis, .. } = extent(&uv);
-        let pieces = match length > limit {
-            true => divide(work, &faces, length, axis, limit),
+        let pieces = match length > TOO_LONG * limits.length {
+            true => divide(work, &faces, length, axis, limits),
             false => None,
         };
         let Some(pieces) = pieces else {
@@ -86,7 +82,7 @@ fn divide(
     faces: &[u32],
     length: f64,
     axis: DVec2,
-    limit: f64,
+    limits: &Limits,
 ) -> Option<Vec<Vec<u32>>> {
     let center = |f: u32| (0..3).map(|k| work.uv[3 * f as usize + k].dot(axis)).sum::<f64>() / 3.0;
     let all: Vec<DVec2> = faces
@@ -95,7 +91,7 @@ fn divide(
         .map(|c| work.uv[c])
         .collect();
     let low = span(&all, axis).0;
-    let count = (length / limit).ceil().min(PIECES);
+    let count = (length / limits.length).ceil().min(PIECES);
     let mut strip = vec![NONE; work.mesh.len()];
     for &f in faces {
         let at = ((center(f) - low) / length * count).floor().clamp(0.0, count - 1.0);
@@ -106,13 +102,15 @@ fn divide(
         work.glued[h as usize] && strip[h as usize / 3] == strip[t as usize / 3]
     };
     let pieces = work.mesh.components(faces, same);
+    let glued: Vec<bool> =
+        (0..work.glued.len() as u32).map(|h| work.glued[h as usize] && same(h)).collect();
+    // A piece may touch itself at a corner where the strip beside it ends.
     let sound = |piece: &Vec<u32>| {
-        let uv: Vec<DVec2> = piece
-            .iter()
-            .flat_map(|&f| (0..3).map(move |k| 3 * f as usize + k))
-            .map(|c| work.uv[c])
-            .collect();
+        let cut = work.mesh.cut_open(piece.clone(), &glued);
+        let uv = work.map_of(&cut);
         extent(&uv).length <= SHORTER * length
+            && quality(&cut.disk, &uv).mean - 1.0 <= limits.bound
+            && is_sound(&cut.disk, &uv, limits.clearance)
     };
     (pieces.len() as f64 <= 2.0 * count && pieces.iter().all(sound)).then_some(pieces)
 }
@@ -127,8 +125,8 @@ mod tests {
             let strip = [(0.0, 0.0), (5.0, 0.0), (5.0, 0.1), (0.0, 0.1)];
             let uv = strip.map(|p| DVec2::from_angle(turn).rotate(DVec2::from(p)));
             let Extent { length, axis, .. } = extent(&uv);
-            assert!((4.94..5.05).contains(&length), "{length}");
-            assert!(axis.dot(DVec2::from_angle(turn)).abs() > 0.98);
+            assert!((length - 5.0).abs() < 1e-9, "{length}");
+            assert!(axis.dot(DVec2::from_angle(turn)).abs() > 1.0 - 1e-9);
         }
     }
 }

@@ -26,8 +26,11 @@ use crate::mesh::Surface;
 /// motion) is not worth a solve.
 const MISMATCH: f64 = 0.12;
 
-/// Faces that all attempts together may flatten, per face of the part.
-const WORK_PER_FACE: usize = 24;
+/// Faces that all attempts together may flatten, per face of the part …
+const WORK_PER_FACE: usize = 80;
+
+/// … up to so many faces; beyond, a tenth of that.
+const WORK_FACES: usize = 50_000;
 
 /// What a union may cost.
 #[derive(Debug, Clone, Copy)]
@@ -47,11 +50,12 @@ pub struct Limits {
 /// λ of the objective, as a share of the distortion bound.
 const SEAM: f64 = 0.2;
 
-/// Empty space in the rectangle around a union, over its area: a cross of six squares has 1.
-const WASTE: f64 = 1.1;
+/// Empty space in the rectangle around a union, over its area: an L of three squares has 0.33, a cross
+/// of six has 1.
+const WASTE: f64 = 0.6;
 
 /// Length of a chart, over √ΣA, that still lets a page be filled well.
-const LENGTH: f64 = 1.15;
+const LENGTH: f64 = 1.1;
 
 /// What a chart less is worth: the seam of this length times √ΣA, at cost 1.
 const CHART: f64 = 0.05;
@@ -88,6 +92,8 @@ struct Queue {
     version: Vec<u32>,
     /// Seams that could not be closed.
     failed: BTreeSet<(u32, u32)>,
+    /// Angle defects of the part.
+    defects: Vec<f64>,
 }
 
 impl Queue {
@@ -95,8 +101,12 @@ impl Queue {
         [candidate.a, candidate.b].map(|c| self.version[c as usize])
     }
 
+    /// Queue a candidate; one that failed before, in its halves.
     fn push(&mut self, work: &Patchwork, candidate: Candidate) {
         if self.failed.contains(&candidate.key(work)) {
+            for half in candidate.halves(work, &self.defects) {
+                self.push(work, half);
+            }
             return;
         }
         let seam: f64 = candidate.path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
@@ -126,9 +136,10 @@ pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Can
         waiting: Vec::new(),
         version: vec![0; charts],
         failed: BTreeSet::new(),
+        defects: candidates::angle_defects(work.mesh),
     };
-    let mut allowance = WORK_PER_FACE * work.mesh.len() + 20_000;
-    let defects = candidates::angle_defects(work.mesh);
+    let faces = work.mesh.len();
+    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 10 * faces;
     for chart in 0..charts as u32 {
         for candidate in candidates::around(work, chart) {
             if candidate.b >= chart {
@@ -152,9 +163,7 @@ pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Can
         };
         if !closed {
             queue.failed.insert(candidate.key(work));
-            for half in candidate.halves(work, &defects) {
-                queue.push(work, half);
-            }
+            queue.push(work, candidate);
             continue;
         }
         queue.version[a as usize] += 1;

@@ -18,6 +18,9 @@ mod patchwork;
 mod split;
 mod tube;
 
+#[cfg(test)]
+mod tests;
+
 pub use build::{ChartOptions, build, split_chart};
 pub use chart::{Chart, ChartShape, StartKind};
 pub use fit::is_sound;

@@ -8,6 +8,7 @@ use glam::DVec2;
 use super::extent::{Extent, extent};
 use super::fit::Fit;
 use super::part_mesh::{PartMesh, Piece};
+use crate::flatten::UvMap;
 use crate::mesh::NONE;
 
 /// Charts in the making.
@@ -53,6 +54,17 @@ impl<'a> Patchwork<'a> {
         }
         self.extent[chart as usize] = extent(&fit.uv);
         self.energy[chart as usize] = fit.energy * self.area[chart as usize];
+    }
+
+    /// The map of a piece of the patchwork.
+    pub fn map_of(&self, piece: &Piece) -> UvMap {
+        let mut uv = vec![DVec2::ZERO; piece.disk.positions.len()];
+        for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
+            for (k, &v) in triangle.iter().enumerate() {
+                uv[v as usize] = self.uv[3 * f as usize + k];
+            }
+        }
+        uv
     }
 
     /// Chart `gone` becomes part of `keep`.

@@ -13,6 +13,7 @@ mod lscm;
 mod model;
 mod overlap;
 mod planar;
+mod rectangle;
 mod slim;
 mod start;
 mod step;
@@ -41,6 +42,7 @@ pub use jacobian::{
 pub use lscm::lscm;
 pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};
 pub use planar::planar;
+pub use rectangle::smallest_rectangle;
 pub use slim::{Slim, SlimOptions, slim};
 pub use start::{StartMap, start_map};
 pub use tutte::tutte;

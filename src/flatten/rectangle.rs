@@ -5,7 +5,7 @@ use glam::DVec2;
 
 /// The corners of the rectangle of least area around finite points, counter-clockwise, made at
 /// least `thinnest` times as thick as it is long. `None` where the points do not span a length.
-pub(super) fn smallest_rectangle(points: &[DVec2], thinnest: f64) -> Option<[DVec2; 4]> {
+pub fn smallest_rectangle(points: &[DVec2], thinnest: f64) -> Option<[DVec2; 4]> {
     let hull = convex_hull(points);
     let edges = (0..hull.len()).map(|k| hull[(k + 1) % hull.len()] - hull[k]);
     let boxes = edges.filter_map(DVec2::try_normalize).map(|axis| {

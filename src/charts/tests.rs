@@ -1,0 +1,205 @@
+//! What the cut promises, on shapes whose best charts are known.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use proptest::prelude::*;
+
+use super::*;
+use crate::contract::Run;
+use crate::flatten::{Border, certify, quality};
+use crate::mesh::{Document, Primitive, Scene, Surface, condition};
+
+/// A conditioned surface; vertices at one place are one.
+fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
+    let primitive = Primitive { positions, triangles, ..Default::default() };
+    let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
+    let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: Vec::new() };
+    condition(&scene, &Run::quiet()).unwrap()
+}
+
+/// Quads as two triangles each.
+fn quads(positions: Vec<DVec3>, quads: &[[u32; 4]]) -> Surface {
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    surface(positions, triangles)
+}
+
+/// The same shape beside a plate of 60 × 60, on whose page nothing small is too long.
+fn beside_a_plate(s: &Surface) -> Surface {
+    let first = s.positions.len() as u32;
+    let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)];
+    let plate = corners.map(|(x, y)| DVec3::new(x + 10.0, y, 0.0));
+    let positions = s.positions.iter().copied().chain(plate).collect();
+    let two = [[first, first + 1, first + 2], [first, first + 2, first + 3]];
+    surface(positions, s.triangles.iter().copied().chain(two).collect())
+}
+
+/// A box from the origin.
+fn solid_box(x: f64, y: f64, z: f64) -> Surface {
+    let corner =
+        |i: u32| DVec3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z);
+    let sides =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    quads((0..8).map(corner).collect(), &sides)
+}
+
+/// A closed prism over a regular polygon of `n` corners and radius 1, `height` high.
+fn prism(n: u32, height: f64) -> Surface {
+    let ring = |z: f64| {
+        (0..n).map(move |i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+            DVec3::new(cos, sin, z)
+        })
+    };
+    let positions = ring(0.0).chain(ring(height)).chain([DVec3::ZERO, DVec3::Z * height]);
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        let j = (i + 1) % n;
+        triangles.extend([[i, j, n + j], [i, n + j, n + i]]);
+        triangles.extend([[j, i, 2 * n], [n + i, n + j, 2 * n + 1]]);
+    }
+    surface(positions.collect(), triangles)
+}
+
+/// Cut everything as one part, and check what every cut must keep.
+fn cut(surface: &Surface, bound: f64) -> Vec<Chart> {
+    let part_of = vec![0; surface.face_count()];
+    let options = ChartOptions { distortion_bound: bound };
+    let charts = build(surface, &part_of, &options, &Run::quiet()).unwrap();
+    let mut faces: Vec<u32> = charts.iter().flat_map(|c| c.faces.clone()).collect();
+    faces.sort_unstable();
+    let all: Vec<u32> =
+        (0..surface.face_count() as u32).filter(|&f| surface.usable[f as usize]).collect();
+    assert_eq!(faces, all, "every face is in one chart");
+    for chart in &charts {
+        assert!(certify(&chart.disk, &chart.cut_map).is_injective());
+        assert!(quality(&chart.disk, &chart.cut_map).mean - 1.0 <= bound + 1e-12);
+        for (t, &f) in chart.disk.triangles.iter().zip(&chart.faces) {
+            let own = t.map(|v| chart.vertices[v as usize]);
+            assert_eq!(own, surface.triangles[f as usize]);
+        }
+    }
+    charts
+}
+
+fn energy(charts: &[Chart]) -> f64 {
+    charts.iter().map(|c| quality(&c.disk, &c.cut_map).mean - 1.0).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_box_is_unfolded_without_distortion() {
+    let solid = solid_box(1.0, 1.2, 0.9);
+    let charts = cut(&beside_a_plate(&solid), 0.01);
+    assert!(charts.len() <= 4, "{}", charts.len());
+    assert!(energy(&charts) < 1e-9);
+    // Alone it falls into a few pieces that fill a page better than a cross.
+    let charts = cut(&solid, 0.01);
+    assert!((2..=4).contains(&charts.len()), "{}", charts.len());
+}
+
+#[test]
+fn the_caps_of_a_prism_hang_on_its_side() {
+    let charts = cut(&beside_a_plate(&prism(8, 6.0)), 1e-6);
+    assert_eq!(charts.len(), 2);
+    assert!(energy(&charts) < 1e-9);
+}
+
+#[test]
+fn a_lone_sheet_stays_whole() {
+    for width in [1.0, 2.0] {
+        let corners = [(0.0, 0.0), (width, 0.0), (width, 1.0), (0.0, 1.0)];
+        let corners = corners.map(|(x, y)| DVec3::new(x, y, 0.0));
+        assert_eq!(cut(&quads(corners.to_vec(), &[[0, 1, 2, 3]]), 0.01).len(), 1);
+    }
+}
+
+#[test]
+fn a_neck_that_is_too_thin_is_none() {
+    // An edge of 48 is 0.13 of the cap's diameter.
+    let charts = cut(&beside_a_plate(&prism(48, 3.0)), 1e-6);
+    assert_eq!(charts.len(), 4);
+    assert!(charts.iter().any(|c| matches!(c.shape, ChartShape::Tubular { .. })));
+}
+
+/// A square plate with a square hole, flat or lifted by `height`.
+fn frame(height: impl Fn(f64, f64) -> f64) -> Surface {
+    let mut index = HashMap::new();
+    let (mut positions, mut sides) = (Vec::new(), Vec::new());
+    for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+        if (2..4).contains(&i) && (2..4).contains(&j) {
+            continue;
+        }
+        sides.push([(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(x, y): (i32, i32)| {
+            *index.entry((x, y)).or_insert_with(|| {
+                let (x, y) = (f64::from(x) - 3.0, f64::from(y) - 3.0);
+                positions.push(DVec3::new(x, y, height(x, y)));
+                positions.len() as u32 - 1
+            })
+        }));
+    }
+    quads(positions, &sides)
+}
+
+#[test]
+fn a_flat_frame_keeps_its_hole() {
+    let charts = cut(&frame(|_, _| 0.0), 0.01);
+    assert_eq!(charts.len(), 1);
+    assert_eq!(Border::of(&charts[0].disk).loops.len(), 2);
+    assert!(energy(&charts) < 1e-12);
+}
+
+#[test]
+fn a_frame_on_a_cylinder_keeps_its_hole_too() {
+    let charts = cut(&frame(|x, _| 0.08 * x * x), 0.01);
+    assert_eq!(charts.len(), 1);
+    assert_eq!(Border::of(&charts[0].disk).loops.len(), 2);
+}
+
+#[test]
+fn a_long_rod_is_divided_for_the_page() {
+    // 40 long in 60 rings: its unrolled side is six times as long as √area.
+    let n = 12u32;
+    let rings = 60u32;
+    let mut positions = Vec::new();
+    for r in 0..=rings {
+        for i in 0..n {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+            positions.push(DVec3::new(
+                0.2 * cos,
+                0.2 * sin,
+                40.0 * f64::from(r) / f64::from(rings),
+            ));
+        }
+    }
+    let at = |r: u32, i: u32| r * n + i % n;
+    let sides: Vec<[u32; 4]> = (0..rings)
+        .flat_map(|r| (0..n).map(move |i| [at(r, i), at(r, i + 1), at(r + 1, i + 1), at(r + 1, i)]))
+        .collect();
+    let rod = quads(positions, &sides);
+    let charts = cut(&rod, 0.01);
+    let side = rod.area().sqrt();
+    assert!((4..=8).contains(&charts.len()), "{}", charts.len());
+    for chart in &charts {
+        assert!(extent::extent(&chart.cut_map).length < 1.7 * side);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Hills of any shape, with holes: every chart is proved and within the bound, whatever it takes.
+    #[test]
+    fn rough_sheets_are_cut_within_the_bound(
+        heights in prop::collection::vec(-0.8..0.8f64, 81),
+        missing in prop::collection::vec(0..64usize, 0..12),
+        bound in -4.0..-1.5f64,
+    ) {
+        let positions = (0..81).map(|i| DVec3::new((i % 9) as f64, (i / 9) as f64, heights[i]));
+        let sides: Vec<[u32; 4]> = (0..64u32)
+            .filter(|&q| !missing.contains(&(q as usize)))
+            .map(|q| q / 8 * 9 + q % 8)
+            .map(|a| [a, a + 1, a + 10, a + 9])
+            .collect();
+        cut(&quads(positions.collect(), &sides), 10f64.powf(bound));
+    }
+}
