@@ -130,7 +130,7 @@ fn unroll(mesh: &PartMesh, faces: Vec<u32>, tube: &Tube, bound: f64) -> Option<S
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let fits = energy <= bound;
-    fits.then(|| Side { faces: piece.faces, cut, fit: Fit { uv, energy }, kind })
+    fits.then_some(Side { faces: piece.faces, cut, fit: Fit { uv, energy }, kind })
 }
 
 /// Close every edge within a side but those of its cut.

@@ -4,6 +4,7 @@
 //! spoilt, comes back as single triangles, which always pass.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::{DVec2, DVec3};
 
@@ -30,15 +31,21 @@ const PAGE: u32 = 4096;
 
 /// Unwrap triangles over `positions`. Every face comes back in exactly one island; faces without
 /// area come back alone, with a map without area, and so do the faces of an island that is not proved
-/// injective. Errors when the unwrapper refuses the mesh (indices out of range, positions not finite).
+/// injective, and all where the unwrapper breaks down. Errors when the unwrapper refuses the mesh (indices out of range, positions not finite).
 pub fn unwrap_classically(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
 ) -> Result<Vec<Island>, FlattenError> {
-    let (proved, others): (Vec<Island>, Vec<Island>) =
-        classical_islands(positions, triangles)?.into_iter().partition(|island| {
-            island.faces.len() == 1 || certify(&island.disk, &island.uv).is_injective()
-        });
+    let islands = match classical_islands(positions, triangles) {
+        Err(FlattenError::ClassicalBroke) => {
+            let alone = |f| single_triangle(positions, triangles, f);
+            return Ok((0..triangles.len() as u32).map(alone).collect());
+        }
+        islands => islands?,
+    };
+    let (proved, others): (Vec<Island>, Vec<Island>) = islands.into_iter().partition(|island| {
+        island.faces.len() == 1 || certify(&island.disk, &island.uv).is_injective()
+    });
     let alone = others.iter().flat_map(|island| &island.faces);
     let mut islands = proved;
     islands.extend(alone.map(|&f| single_triangle(positions, triangles, f)));
@@ -62,7 +69,9 @@ pub fn classical_islands(
         packing: uvunwrap::Packing::Fast,
         ..Default::default()
     };
-    let atlas = uvunwrap::generate(&[uvunwrap::MeshInput::new(&single, indices)], &options)?;
+    let input = [uvunwrap::MeshInput::new(&single, indices)];
+    let atlas = catch_unwind(AssertUnwindSafe(|| uvunwrap::generate(&input, &options)))
+        .map_err(|_| FlattenError::ClassicalBroke)??;
     let page = DVec2::new(f64::from(atlas.width), f64::from(atlas.height));
     let mesh = &atlas.meshes[0];
 

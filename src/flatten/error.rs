@@ -12,6 +12,10 @@ pub enum FlattenError {
     /// A linear system could not be factorised.
     #[error("a linear system of the map could not be factorised")]
     Singular,
+    /// The classical unwrapper broke down (0.3.0 does in the ordering of its sparse systems, on some
+    /// meshes).
+    #[error("the classical unwrapper broke down on the mesh")]
+    ClassicalBroke,
     /// The classical unwrapper refused the mesh.
     #[error("the classical unwrapper refused the mesh: {0}")]
     Classical(#[from] uvunwrap::Error),

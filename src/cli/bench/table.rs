@@ -58,7 +58,7 @@ pub fn table(lines: &[Value]) -> String {
         unwrapped.len(),
         lines.len() - unwrapped.len()
     );
-    let classes: [(&str, fn(f64) -> bool); 4] = [
+    let classes: [Class; 4] = [
         ("developable", |share| share >= DEVELOPABLE),
         ("tubular", |share| (TUBULAR..DEVELOPABLE).contains(&share)),
         ("free-form", |share| share < TUBULAR),
@@ -83,6 +83,9 @@ pub fn table(lines: &[Value]) -> String {
     }
     text
 }
+
+/// A class of objects: its name, and which shares of developable area belong to it.
+type Class = (&'static str, fn(f64) -> bool);
 
 /// A row: what it is called, and its figure over the objects of a class.
 type Row = (&'static str, fn(&[&Value]) -> String);
