@@ -7,7 +7,8 @@ use super::chart::{Chart, ChartShape, StartKind};
 use super::cluster::cluster;
 use super::extent::shorten;
 use super::fit::{Fit, from_scratch};
-use super::merge::{Limits, merge};
+use super::limits::Limits;
+use super::merge::merge;
 use super::open::open;
 use super::part_mesh::{PartMesh, Piece};
 use super::patchwork::Patchwork;
@@ -218,20 +219,15 @@ fn patches(
             faces[p as usize].push(f as u32);
         }
         let mut divided = Vec::new();
-        for patch in std::mem::take(&mut pending) {
-            let piece = mesh.cut_open(faces[patch as usize].clone(), &inside);
-            let is_disk = flatten::is_disk(&piece.disk);
-            if let Some(fit) = fit_patch(&piece, limits, run)? {
-                whole[patch as usize] = true;
+        let tried: Result<Vec<_>, Canceled> = std::mem::take(&mut pending)
+            .into_par_iter()
+            .map(|p| Ok((p, lay_flat(mesh, &faces[p as usize], [&inside, &glued], limits, run)?)))
+            .collect();
+        for (patch, flat) in tried? {
+            if let Some((piece, fit, is_whole)) = flat {
+                whole[patch as usize] = is_whole;
                 fits[patch as usize] = Some((piece, fit));
                 continue;
-            }
-            if !is_disk {
-                let piece = mesh.cut_open(faces[patch as usize].clone(), &glued);
-                if let Some(fit) = fit_patch(&piece, limits, run)? {
-                    fits[patch as usize] = Some((piece, fit));
-                    continue;
-                }
             }
             let pieces = halves(mesh, &faces[patch as usize]);
             pending.push(patch);
@@ -258,6 +254,26 @@ fn patches(
         }
         divided.into_iter().for_each(|(f, p)| patch_of[f as usize] = p);
     }
+}
+
+/// Flatten a patch, uncut if that can be done (`inside`: every inner edge is closed), or else opened to
+/// a disk (`opened`). Also tells whether it is whole.
+fn lay_flat(
+    mesh: &PartMesh,
+    faces: &[u32],
+    [inside, opened]: [&[bool]; 2],
+    limits: &Limits,
+    run: &Run,
+) -> Result<Option<(Piece, Fit, bool)>, Canceled> {
+    let piece = mesh.cut_open(faces.to_vec(), inside);
+    if let Some(fit) = fit_patch(&piece, limits, run)? {
+        return Ok(Some((piece, fit, true)));
+    }
+    if flatten::is_disk(&piece.disk) {
+        return Ok(None);
+    }
+    let piece = mesh.cut_open(faces.to_vec(), opened);
+    Ok(fit_patch(&piece, limits, run)?.map(|fit| (piece, fit, false)))
 }
 
 fn fit_patch(piece: &Piece, limits: &Limits, run: &Run) -> Result<Option<Fit>, Canceled> {

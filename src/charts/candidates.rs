@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use super::cost::edge_cost;
 use super::part_mesh::PartMesh;
 use super::patchwork::Patchwork;
 use crate::mesh::NONE;
@@ -31,6 +32,11 @@ impl Candidate {
         let twin = |h: u32| work.mesh.twin[h as usize];
         let (first, last) = (self.path[0], self.path[self.path.len() - 1]);
         (first, last).min((twin(last), twin(first)))
+    }
+
+    /// Length times cost of the seam.
+    pub fn cost(&self, work: &Patchwork) -> f64 {
+        self.path.iter().map(|&h| edge_cost(work.mesh, h)).sum()
     }
 
     /// The path in two, parted at its inner vertex of largest angle defect; of a zip only the half

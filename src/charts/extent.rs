@@ -5,7 +5,7 @@
 use glam::DVec2;
 
 use super::fit::is_sound;
-use super::merge::Limits;
+use super::limits::Limits;
 use super::patchwork::Patchwork;
 use crate::flatten::{quality, smallest_rectangle};
 use crate::mesh::NONE;

@@ -14,76 +14,25 @@ use std::collections::{BTreeSet, BinaryHeap};
 use glam::{DMat2, DVec2};
 
 use super::candidates::{self, Candidate};
-use super::cost::edge_cost;
 use super::extent::{self, Extent};
 use super::fit::refine;
+use super::limits::Limits;
 use super::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
 use crate::flatten::UvMap;
-use crate::mesh::Surface;
 
 /// A path whose two sides differ by more than this share of its length (rms, after the best rigid
 /// motion) is not worth a solve.
 const MISMATCH: f64 = 0.12;
 
 /// Faces that all attempts together may flatten, per face of the part …
-const WORK_PER_FACE: usize = 80;
+const WORK_PER_FACE: usize = 48;
 
-/// … up to so many faces; beyond, a tenth of that.
-const WORK_FACES: usize = 50_000;
+/// … up to so many faces; beyond, an eighth of that.
+const WORK_FACES: usize = 20_000;
 
-/// What a union may cost.
-#[derive(Debug, Clone, Copy)]
-pub struct Limits {
-    /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
-    pub bound: f64,
-    /// λ√ΣA: what a unit of seam (length times cost) is worth in energy times area.
-    pub worth: f64,
-    /// What one chart less is worth, as a seam: length times cost.
-    pub chart: f64,
-    /// Length to which charts may be joined.
-    pub length: f64,
-    /// Distance that a border keeps from itself.
-    pub clearance: f64,
-}
-
-/// λ of the objective, as a share of the distortion bound.
-const SEAM: f64 = 0.2;
-
-/// Empty space in the rectangle around a union, over its area: an L of three squares has 0.33, a cross
-/// of six has 1.
-const WASTE: f64 = 0.6;
-
-/// Length of a chart, over √ΣA, that still lets a page be filled well.
-const LENGTH: f64 = 1.1;
-
-/// What a chart less is worth: the seam of this length times √ΣA, at cost 1.
-const CHART: f64 = 0.05;
-
-/// Distance that a chart's border keeps from itself, over √ΣA: some steps of the lattice on which final
-/// coordinates lie (2⁻²⁴ of a page).
-const CLEARANCE: f64 = 5e-7;
-
-/// Distance that a chart's border keeps from itself, world units.
-pub fn clearance(surface: &Surface) -> f64 {
-    CLEARANCE * surface.area().sqrt()
-}
-
-impl Limits {
-    /// For charts of a surface.
-    pub fn new(surface: &Surface, bound: f64) -> Self {
-        let size = surface.area().sqrt();
-        Self {
-            bound,
-            worth: SEAM * bound * size,
-            chart: CHART * size,
-            length: LENGTH * size,
-            clearance: clearance(surface),
-        }
-    }
-}
-
-/// Candidates, dearest seam first.
+/// Candidates; those that save most seam for the faces that must be flattened come first, so that small
+/// charts are joined before large ones and the work is not spent on a few.
 struct Queue {
     heap: BinaryHeap<(u64, Reverse<u32>)>,
     /// Each with the versions of its charts when it was found.
@@ -109,19 +58,24 @@ impl Queue {
             }
             return;
         }
-        let seam: f64 = candidate.path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
-        self.heap.push((seam.to_bits(), Reverse(self.waiting.len() as u32)));
+        let seam = candidate.cost(work);
+        let other =
+            if candidate.a == candidate.b { 0 } else { work.faces[candidate.b as usize].len() };
+        let size = work.faces[candidate.a as usize].len() + other;
+        self.heap
+            .push(((seam / (size as f64).sqrt()).to_bits(), Reverse(self.waiting.len() as u32)));
         let versions = self.versions(&candidate);
         self.waiting.push(Some((candidate, versions)));
     }
 
-    /// The dearest seam between charts that have not changed since, and its cost.
+    /// The next seam between charts that have not changed since, and its cost.
     fn pop(&mut self, work: &Patchwork) -> Option<(Candidate, f64)> {
-        while let Some((seam, Reverse(id))) = self.heap.pop() {
+        while let Some((_, Reverse(id))) = self.heap.pop() {
             let Some((candidate, versions)) = self.waiting[id as usize].take() else { continue };
             if versions == self.versions(&candidate) && !self.failed.contains(&candidate.key(work))
             {
-                return Some((candidate, f64::from_bits(seam)));
+                let seam = candidate.cost(work);
+                return Some((candidate, seam));
             }
         }
         None
@@ -139,7 +93,7 @@ pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Can
         defects: candidates::angle_defects(work.mesh),
     };
     let faces = work.mesh.len();
-    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 10 * faces;
+    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 8 * faces;
     for chart in 0..charts as u32 {
         for candidate in candidates::around(work, chart) {
             if candidate.b >= chart {
@@ -207,7 +161,7 @@ impl Attempt {
         let waste = |c: u32| work.extent[c as usize].rectangle - work.area[c as usize];
         let wasted = waste(candidate.a) + waste(candidate.b);
         union.length <= a.length.max(b.length).max(limits.length)
-            && union.rectangle - area <= wasted.max(WASTE * area)
+            && union.rectangle - area <= wasted.max(limits.waste * area)
     }
 
     /// Try to close the path. On success the union is chart `a`.
