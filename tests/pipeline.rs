@@ -185,3 +185,36 @@ fn the_validator_finds_no_error() {
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(said.lines().count(), SAMPLES.len());
 }
+
+#[test]
+fn the_quality_benchmark_writes_a_line_an_object_and_resumes() {
+    let dir = tempfile::tempdir().unwrap();
+    let meshes = dir.path().join("meshes");
+    std::fs::create_dir(&meshes).unwrap();
+    for name in ["table.glb", "knife.glb"] {
+        std::fs::copy(example(name), meshes.join(name)).unwrap();
+    }
+    std::fs::write(meshes.join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    let lines = dir.path().join("quality.jsonl");
+    let bench = |limit: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
+            .args(["bench", "quality", "--quality", "fast", "--limit", limit, "--output"])
+            .args([&lines, &meshes])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(&lines).unwrap();
+        let lines: Vec<serde_json::Value> =
+            text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+        (lines, String::from_utf8(output.stdout).unwrap())
+    };
+    assert_eq!(bench("1").0.len(), 1);
+    let (lines, table) = bench("9");
+    assert_eq!(lines.len(), 3);
+    assert!(table.starts_with("3 objects, 2 unwrapped, 1 refused or failed"), "{table}");
+    for line in lines.iter().filter(|l| l["ours"].is_object()) {
+        assert_eq!(line["ours"]["valid"], true);
+        // The point of it all: fewer charts than the classical unwrapper.
+        assert!(line["ours"]["charts"].as_u64() < line["peer"]["charts"].as_u64(), "{line}");
+    }
+}
