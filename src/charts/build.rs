@@ -15,7 +15,7 @@ use super::patchwork::Patchwork;
 use super::split::halves;
 use super::tube::{self, Tube};
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, UvMap, flatten_triangle};
+use crate::flatten::{self, flatten_triangle};
 use crate::mesh::{NONE, Surface};
 
 /// What the cut is told.
@@ -97,7 +97,6 @@ struct Side {
     /// Local half-edges of the axial cut.
     cut: Vec<u32>,
     fit: Fit,
-    kind: StartKind,
 }
 
 /// The sides of a tube that open to a disk and unroll within the bound.
@@ -131,7 +130,7 @@ fn unroll(mesh: &PartMesh, faces: Vec<u32>, tube: &Tube, bound: f64) -> Option<S
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let fits = energy <= bound;
-    fits.then_some(Side { faces: piece.faces, cut, fit: Fit { uv, energy }, kind })
+    fits.then_some(Side { faces: piece.faces, cut, fit: Fit { uv, energy, kind } })
 }
 
 /// Close every edge within a side but those of its cut.
@@ -148,8 +147,8 @@ fn glue_side(mesh: &PartMesh, faces: &[u32], cut: &[u32], glued: &mut [bool]) {
     }
 }
 
-/// A piece as charts: the sides of its tube and, of the rest, patches that are disks within the
-/// bound; joined while the objective falls.
+/// A piece as charts: the sides of its tube and, of the rest, patches that lie flat within the bound;
+/// joined while the objective falls.
 fn weld(
     mesh: &PartMesh,
     part: u32,
@@ -172,14 +171,24 @@ fn weld(
         let cut_map = flatten::rescale(&piece.disk, work.map_of(&piece));
         // The sides come first; one that nothing was joined to is still a tube.
         let alone = sides.get(number).filter(|side| side.faces == piece.faces);
-        let (shape, kind) = match alone.zip(tube) {
-            Some((side, t)) => {
-                let (origin, axis, radius, taper) = (t.origin, t.axis, t.radius, t.taper);
-                (ChartShape::Tubular { origin, axis, radius, taper }, side.kind)
+        let shape = match alone.and(tube) {
+            Some(&Tube { origin, axis, radius, taper, .. }) => {
+                ChartShape::Tubular { origin, axis, radius, taper }
             }
-            None => (ChartShape::General, StartKind::Weld),
+            None => ChartShape::General,
         };
-        charts.push(chart(mesh, part, piece, shape, cut_map.clone(), cut_map, kind));
+        // What was divided for its length is a piece of a weld.
+        let start_kind = work.kind.get(number).copied().unwrap_or(StartKind::Weld);
+        charts.push(Chart {
+            part,
+            faces: piece.faces.iter().map(|&f| mesh.faces[f as usize]).collect(),
+            disk: piece.disk,
+            vertices: piece.vertices,
+            shape,
+            start: cut_map.clone(),
+            cut_map,
+            start_kind,
+        });
     }
     Ok(charts)
 }
@@ -279,28 +288,11 @@ fn lay_flat(
 fn fit_patch(piece: &Piece, limits: &Limits, run: &Run) -> Result<Option<Fit>, Canceled> {
     if let &[triangle] = &piece.disk.triangles[..] {
         let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
-        return Ok(Some(Fit { uv: flatten_triangle(a, b, c).to_vec(), energy: 0.0 }));
+        return Ok(Some(Fit {
+            uv: flatten_triangle(a, b, c).to_vec(),
+            energy: 0.0,
+            kind: StartKind::Planar,
+        }));
     }
     from_scratch(&piece.disk, limits.bound, limits.clearance, run)
-}
-
-fn chart(
-    mesh: &PartMesh,
-    part: u32,
-    piece: Piece,
-    shape: ChartShape,
-    start: UvMap,
-    cut_map: UvMap,
-    start_kind: StartKind,
-) -> Chart {
-    Chart {
-        part,
-        faces: piece.faces.iter().map(|&f| mesh.faces[f as usize]).collect(),
-        disk: piece.disk,
-        vertices: piece.vertices,
-        shape,
-        start,
-        cut_map,
-        start_kind,
-    }
 }

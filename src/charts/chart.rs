@@ -1,4 +1,4 @@
-//! One chart: faces flattened together, a topological disk.
+//! One chart: faces flattened together.
 
 use glam::DVec3;
 

@@ -1,6 +1,7 @@
 //! Can this piece be flattened within the bound, and is the map injective? The question that every
 //! patch and every merge is put to.
 
+use super::chart::StartKind;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 
@@ -17,6 +18,8 @@ pub struct Fit {
     pub uv: UvMap,
     /// Area-weighted mean symmetric Dirichlet energy, minus 1.
     pub energy: f64,
+    /// What it was made from.
+    pub kind: StartKind,
 }
 
 /// Improve a map until it is within the bound (area-weighted mean symmetric Dirichlet energy, minus 1)
@@ -32,7 +35,7 @@ pub fn refine(
     if flatten::quality(disk, &warm).flips > 0 {
         return from_scratch(disk, bound, clearance, run);
     }
-    descend(disk, warm, bound, clearance, run)
+    descend(disk, (warm, StartKind::Weld), bound, clearance, run)
 }
 
 /// The best start map, improved as [`refine`] does.
@@ -42,8 +45,8 @@ pub fn from_scratch(
     clearance: f64,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let (start, _) = flatten::start_map(disk);
-    descend(disk, start, bound, clearance, run)
+    let (start, kind) = flatten::start_map(disk);
+    descend(disk, (start, kind.into()), bound, clearance, run)
 }
 
 /// Whether a map is proved injective and its border keeps clear of itself.
@@ -53,12 +56,11 @@ pub fn is_sound(disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
 
 fn descend(
     disk: &Disk,
-    start: UvMap,
+    (mut uv, kind): (UvMap, StartKind),
     bound: f64,
     clearance: f64,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let mut uv = start;
     let mut quality = flatten::quality(disk, &uv);
     if quality.mean - 1.0 > bound {
         let options = SlimOptions {
@@ -72,5 +74,5 @@ fn descend(
     }
     let energy = quality.mean - 1.0;
     let fits = energy <= bound && quality.flips == 0 && is_sound(disk, &uv, clearance);
-    Ok(fits.then_some(Fit { uv, energy }))
+    Ok(fits.then_some(Fit { uv, energy, kind }))
 }

@@ -1,5 +1,5 @@
-//! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). The dearest seams are
-//! closed first, a path at a time. A path is closed if the union stays within the distortion bound,
+//! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). Seam is closed a
+//! path at a time, first where most is saved for the work it takes. A path is closed if the union stays within the distortion bound,
 //! is proved injective, and the objective J = ΣA·SD/ΣA + λ Σℓc/√ΣA falls. Two disks joined along one
 //! path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two sides lie side
 //! by side already is closed to a hole.
@@ -147,23 +147,6 @@ impl Attempt {
         close.then_some(Self { motion: None })
     }
 
-    /// Whether a page can be filled with such unions: not too long, and the rectangle around it filled
-    /// well, or no worse than those of the two charts.
-    fn is_compact(
-        &self,
-        work: &Patchwork,
-        candidate: &Candidate,
-        union: &Extent,
-        area: f64,
-        limits: &Limits,
-    ) -> bool {
-        let [a, b] = [candidate.a, candidate.b].map(|c| work.extent[c as usize]);
-        let waste = |c: u32| work.extent[c as usize].rectangle - work.area[c as usize];
-        let wasted = waste(candidate.a) + waste(candidate.b);
-        union.length <= a.length.max(b.length).max(limits.length)
-            && union.rectangle - area <= wasted.max(limits.waste * area)
-    }
-
     /// Try to close the path. On success the union is chart `a`.
     fn close(
         self,
@@ -202,7 +185,7 @@ impl Attempt {
         }
         let warm: UvMap = sum.into_iter().map(|(total, count)| total / count).collect();
         let area = piece.disk.area();
-        if a != b && !self.is_compact(work, candidate, &extent::extent(&warm), area, limits) {
+        if a != b && !is_compact(work, candidate, &extent::extent(&warm), area, limits) {
             work.set_glued(&path, false);
             return Ok(false);
         }
@@ -217,6 +200,22 @@ impl Attempt {
         work.place(a, &piece, &fit);
         Ok(true)
     }
+}
+
+/// Whether a page can be filled with such unions: not too long, and the rectangle around it filled
+/// well, or no worse than those of the two charts.
+fn is_compact(
+    work: &Patchwork,
+    candidate: &Candidate,
+    union: &Extent,
+    area: f64,
+    limits: &Limits,
+) -> bool {
+    let [a, b] = [candidate.a, candidate.b].map(|c| work.extent[c as usize]);
+    let waste = |c: u32| work.extent[c as usize].rectangle - work.area[c as usize];
+    let wasted = waste(candidate.a) + waste(candidate.b);
+    union.length <= a.length.max(b.length).max(limits.length)
+        && union.rectangle - area <= wasted.max(limits.waste * area)
 }
 
 /// Other edges between two charts whose two sides come to lie on each other with the same motion.

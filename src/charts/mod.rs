@@ -1,7 +1,7 @@
 //! Parts into charts: boundary features, cylinders and cones, cuts, split and merge. A chart is a
-//! topological disk, cut open. Every disk is made from patches that are disks by construction and
-//! joined along one path at a time, so that holes, handles and closed surfaces are cut and never
-//! refused.
+//! topological disk, or a sheet that lies flat with its holes. Charts are made from patches that can be
+//! flattened and are joined along one path at a time, so that holes, handles and closed surfaces are cut
+//! where they must be and never refused.
 
 pub mod boundary;
 mod build;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::chart::StartKind;
 use super::extent::{Extent, extent};
 use super::fit::Fit;
 use super::part_mesh::{PartMesh, Piece};
@@ -25,6 +26,8 @@ pub struct Patchwork<'a> {
     pub faces: Vec<Vec<u32>>,
     /// How far each chart's map reaches.
     pub extent: Vec<Extent>,
+    /// How each chart's map was made.
+    pub kind: Vec<StartKind>,
     /// Area of each chart.
     pub area: Vec<f64>,
     /// Symmetric Dirichlet energy of each chart over an isometry's, times its area.
@@ -42,7 +45,8 @@ impl<'a> Patchwork<'a> {
         let uv = vec![DVec2::ZERO; 3 * mesh.len()];
         let area = faces.iter().map(|f| f.iter().map(|&f| mesh.area(f as usize)).sum()).collect();
         let (extent, energy) = (vec![Extent::default(); count], vec![0.0; count]);
-        Self { mesh, chart_of, glued, uv, faces, extent, area, energy }
+        let kind = vec![StartKind::Weld; count];
+        Self { mesh, chart_of, glued, uv, faces, extent, kind, area, energy }
     }
 
     /// Put a chart's map in place.
@@ -53,6 +57,7 @@ impl<'a> Patchwork<'a> {
             }
         }
         self.extent[chart as usize] = extent(&fit.uv);
+        self.kind[chart as usize] = fit.kind;
         self.energy[chart as usize] = fit.energy * self.area[chart as usize];
     }
 
