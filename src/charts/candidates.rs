@@ -100,12 +100,12 @@ pub fn angle_defects(mesh: &PartMesh) -> Vec<f64> {
 /// The paths between a chart and its neighbours, the slits of its own border, and its zips.
 pub fn around(work: &Patchwork, chart: u32) -> Vec<Candidate> {
     let mut found = Vec::new();
-    for border in work.borders(chart) {
-        for path in runs(work, &border) {
+    for border in &work.rims[chart as usize] {
+        for path in runs(work, border) {
             let b = work.across(path[0]).unwrap_or(chart);
             found.push(Candidate { a: chart, b, zip: false, path });
         }
-        for path in zips(work, &border) {
+        for path in zips(work, border) {
             found.push(Candidate { a: chart, b: chart, zip: true, path });
         }
     }

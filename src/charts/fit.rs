@@ -1,6 +1,8 @@
 //! Can this piece be flattened within the bound, and is the map injective? The question that every
 //! patch and every merge is put to.
 
+use glam::DMat2;
+
 use super::chart::StartKind;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
@@ -22,23 +24,46 @@ pub struct Fit {
     pub kind: StartKind,
 }
 
-/// Improve a map until it is within the bound (area-weighted mean symmetric Dirichlet energy, minus 1)
-/// and proved injective, from scratch where it has flips; `None` where that cannot be had.
+/// Charts laid next to each other to be one.
+pub struct Joined {
+    /// Every vertex at the mean of its corners.
+    pub uv: UvMap,
+    /// Jacobian of each triangle in its own chart's map.
+    pub frames: Vec<DMat2>,
+}
+
+/// Sew joined charts together and improve their map until it is within the bound (area-weighted mean
+/// symmetric Dirichlet energy, minus 1) and proved injective; `None` where that cannot be had.
 pub fn refine(
     disk: &Disk,
-    warm: UvMap,
+    joined: Joined,
     bound: f64,
     clearance: f64,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let warm = flatten::rescale(disk, warm);
-    if flatten::quality(disk, &warm).flips > 0 {
+    let energy = |uv: &UvMap| {
+        let quality = flatten::quality(disk, uv);
+        if quality.flips > 0 { f64::INFINITY } else { quality.mean - 1.0 }
+    };
+    let mut warm = flatten::rescale(disk, joined.uv);
+    let mut least = energy(&warm);
+    if least > bound
+        && let Ok(sewn) = flatten::stitch(disk, &joined.frames, &warm)
+    {
+        let sewn = flatten::rescale(disk, sewn);
+        let reached = energy(&sewn);
+        if reached < least {
+            (warm, least) = (sewn, reached);
+        }
+    }
+    if least.is_infinite() {
         return from_scratch(disk, bound, clearance, run);
     }
     descend(disk, (warm, StartKind::Weld), bound, clearance, run)
 }
 
-/// The best start map, improved as [`refine`] does.
+/// The best start map, improved until it is within the bound and proved injective; `None` where that
+/// cannot be had.
 pub fn from_scratch(
     disk: &Disk,
     bound: f64,
@@ -51,7 +76,9 @@ pub fn from_scratch(
 
 /// Whether a map is proved injective and its border keeps clear of itself.
 pub fn is_sound(disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
-    flatten::certify(disk, uv).is_injective() && flatten::is_clear(&Border::of(disk), uv, clearance)
+    let border = Border::of(disk);
+    flatten::certify_within(&border, disk, uv).is_injective()
+        && flatten::is_clear(&border, uv, clearance)
 }
 
 fn descend(

@@ -3,11 +3,13 @@
 //! flattened and are joined along one path at a time, so that holes, handles and closed surfaces are cut
 //! where they must be and never refused.
 
+mod attempt;
 pub mod boundary;
 mod build;
 mod candidates;
 mod chart;
 mod cluster;
+mod collision;
 mod cost;
 mod extent;
 mod fit;

@@ -24,6 +24,9 @@ pub struct Patchwork<'a> {
     pub uv: Vec<DVec2>,
     /// Faces of each chart, ascending; empty for one that was absorbed.
     pub faces: Vec<Vec<u32>>,
+    /// Border of each chart as loops of half-edges, each starting at its lowest: one, and one more for
+    /// each hole.
+    pub rims: Vec<Vec<Vec<u32>>>,
     /// How far each chart's map reaches.
     pub extent: Vec<Extent>,
     /// How each chart's map was made.
@@ -45,8 +48,8 @@ impl<'a> Patchwork<'a> {
         let uv = vec![DVec2::ZERO; 3 * mesh.len()];
         let area = faces.iter().map(|f| f.iter().map(|&f| mesh.area(f as usize)).sum()).collect();
         let (extent, energy) = (vec![Extent::default(); count], vec![0.0; count]);
-        let kind = vec![StartKind::Weld; count];
-        Self { mesh, chart_of, glued, uv, faces, extent, kind, area, energy }
+        let (kind, rims) = (vec![StartKind::Weld; count], vec![Vec::new(); count]);
+        Self { mesh, chart_of, glued, uv, faces, rims, extent, kind, area, energy }
     }
 
     /// Put a chart's map in place.
@@ -56,6 +59,7 @@ impl<'a> Patchwork<'a> {
                 self.uv[3 * f as usize + k] = fit.uv[v as usize];
             }
         }
+        self.rims[chart as usize] = self.borders(chart);
         self.extent[chart as usize] = extent(&fit.uv);
         self.kind[chart as usize] = fit.kind;
         self.energy[chart as usize] = fit.energy * self.area[chart as usize];
@@ -78,6 +82,7 @@ impl<'a> Patchwork<'a> {
         faces.iter().for_each(|&f| self.chart_of[f as usize] = keep);
         self.faces[keep as usize].extend(faces);
         self.faces[keep as usize].sort_unstable();
+        self.rims[gone as usize].clear();
         self.area[keep as usize] += self.area[gone as usize];
     }
 
@@ -90,9 +95,13 @@ impl<'a> Patchwork<'a> {
         n
     }
 
-    /// The border of a chart as loops of half-edges, each starting at its lowest: one, and one more
-    /// for each hole.
-    pub fn borders(&self, chart: u32) -> Vec<Vec<u32>> {
+    /// The border of a chart's map as polygons, in the order of its rims.
+    pub fn outline(&self, chart: u32) -> impl Iterator<Item = Vec<DVec2>> {
+        let rims = &self.rims[chart as usize];
+        rims.iter().map(|ring| ring.iter().map(|&h| self.uv[h as usize]).collect())
+    }
+
+    fn borders(&self, chart: u32) -> Vec<Vec<u32>> {
         let mut loops: Vec<Vec<u32>> = Vec::new();
         let mut seen = BTreeSet::new();
         for first in self.faces[chart as usize].iter().flat_map(|&f| 3 * f..3 * f + 3) {

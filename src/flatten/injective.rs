@@ -56,7 +56,11 @@ pub fn count_flips(disk: &Disk, uv: &[DVec2]) -> u64 {
 
 /// Prove, or say why not, that a map is injective.
 pub fn certify(disk: &Disk, uv: &[DVec2]) -> ChartProof {
-    let border = Border::of(disk);
+    certify_within(&Border::of(disk), disk, uv)
+}
+
+/// Like [`certify`], for a disk whose border is known.
+pub fn certify_within(border: &Border, disk: &Disk, uv: &[DVec2]) -> ChartProof {
     let (mut flipped, mut zero_area) = (0, 0);
     for (t, &area) in disk.triangles.iter().zip(&disk.areas) {
         match orientation(t.map(|v| uv[v as usize])) {
@@ -65,7 +69,7 @@ pub fn certify(disk: &Disk, uv: &[DVec2]) -> ChartProof {
             _ => {}
         }
     }
-    ChartProof { flipped, zero_area, simple_boundary: has_simple_boundary(&border, uv) }
+    ChartProof { flipped, zero_area, simple_boundary: has_simple_boundary(border, uv) }
 }
 
 /// Whether a chart is one manifold piece whose boundary polygons neither cross nor touch, exactly one

@@ -17,6 +17,7 @@ mod rectangle;
 mod slim;
 mod start;
 mod step;
+mod stitch;
 mod sweep;
 mod system;
 mod tutte;
@@ -32,8 +33,8 @@ pub use clearance::is_clear;
 pub use disk::{Disk, UvMap, flatten_triangle};
 pub use error::FlattenError;
 pub use injective::{
-    ChartProof, certify, count_flips, has_simple_boundary, is_positive, is_simple, orientation,
-    segments_meet,
+    ChartProof, certify, certify_within, count_flips, has_simple_boundary, is_positive, is_simple,
+    orientation, segments_meet,
 };
 pub use jacobian::{
     MapQuality, quality, rescale, rescale_optimally, scale, singular_values, symmetric_dirichlet,
@@ -45,6 +46,7 @@ pub use planar::planar;
 pub use rectangle::smallest_rectangle;
 pub use slim::{Slim, SlimOptions, slim};
 pub use start::{StartMap, start_map};
+pub use stitch::stitch;
 pub use tutte::tutte;
 pub use unfold::unfold;
 pub use unroll::unroll;

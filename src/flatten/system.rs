@@ -5,6 +5,8 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::perm::PermRef;
+use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -70,10 +72,11 @@ impl BlockSystem {
 
         let n = 2 * unknowns;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
+        let (order, inverse) = order(unknowns, &edges)?;
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
-            SymmetricOrdering::Amd,
+            SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)),
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| FlattenError::Singular)?;
@@ -184,6 +187,27 @@ impl BlockSystem {
         }
         y
     }
+}
+
+/// An order of elimination that fills in little (approximate minimum degree), and its inverse: found
+/// for the vertices, so that the two unknowns of one stay together. `edges`: pairs, lower first,
+/// sorted.
+fn order(vertices: usize, edges: &[(u32, u32)]) -> Result<(Vec<u32>, Vec<u32>), FlattenError> {
+    let mut columns = vec![0; vertices + 1];
+    edges.iter().for_each(|e| columns[e.0 as usize + 1] += 1);
+    for v in 0..vertices {
+        columns[v + 1] += columns[v];
+    }
+    let rows: Vec<u32> = edges.iter().map(|e| e.1).collect();
+    let graph = SymbolicSparseColMatRef::new_checked(vertices, vertices, &columns, None, &rows);
+    let (mut order, mut inverse) = (vec![0; vertices], vec![0; vertices]);
+    let request = amd::order_maybe_unsorted_scratch::<u32>(vertices, edges.len());
+    let mut memory = MemBuffer::new(request);
+    let stack = MemStack::new(&mut memory);
+    amd::order_maybe_unsorted(&mut order, &mut inverse, graph, Default::default(), stack)
+        .map_err(|_| FlattenError::Singular)?;
+    let both = |order: Vec<u32>| order.into_iter().flat_map(|v| [2 * v, 2 * v + 1]).collect();
+    Ok((both(order), both(inverse)))
 }
 
 #[cfg(test)]

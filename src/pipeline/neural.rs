@@ -16,11 +16,11 @@ use crate::parameterization::losses::CylinderTarget;
 /// Share of a job's expected time that training may take with `quality = balanced`.
 const SHARE: f64 = 0.35;
 /// Expected seconds of a job, apart from its faces.
-const JOB_S: f64 = 1.5;
+const JOB_S: f64 = 0.5;
 /// Expected seconds of a job for each face, up to [`JOB_FACES`].
-const FACE_S: f64 = 1.0e-3;
+const FACE_S: f64 = 1.0e-4;
 /// Faces beyond this do not buy more training.
-const JOB_FACES: usize = 8_000;
+const JOB_FACES: usize = 30_000;
 /// Seconds of one training step of one chart, for each point and unit of width (measured: 8 charts
 /// of 512 points and width 64 in 25 ms).
 const STEP_S: f64 = 0.025 / (8.0 * 512.0 * 64.0);
