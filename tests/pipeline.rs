@@ -231,3 +231,30 @@ fn the_determinism_benchmark_says_who_is_the_same_and_who_failed() {
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("no spoon"), "{said}");
 }
+
+#[test]
+fn the_sheet_shows_every_object_and_says_who_failed() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["knife.glb", "table.glb"] {
+        std::fs::copy(example(name), dir.path().join(name)).unwrap();
+    }
+    let sheet = dir.path().join("sheet.png");
+    let bench = || {
+        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
+            .args(["bench", "sheet", "--quality", "fast", "--columns", "2", "--output"])
+            .args([sheet.as_path(), dir.path()])
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&sheet).unwrap()));
+        (output.status.success(), said, reader.read_info().unwrap().info().size())
+    };
+    let (success, said, size) = bench();
+    assert!(success, "{said}");
+    assert!(said.contains("knife, ") && said.contains(" charts, seam "), "{said}");
+    std::fs::write(dir.path().join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    let (success, said, larger) = bench();
+    assert!(!success && said.contains("1 of 3 objects could not be unwrapped"), "{said}");
+    assert_eq!((larger.0, larger.1 > size.1), (size.0, true));
+}

@@ -1,11 +1,12 @@
-//! `uvsegnet bench`: how good the results are on a folder of meshes, and whether they are the same
-//! bytes every time.
+//! `uvsegnet bench`: how good the results are on a folder of meshes, whether they are the same bytes
+//! every time, and what they look like.
 
 mod determinism;
 mod files;
 mod object;
 mod peer;
 mod quality;
+mod sheet;
 mod table;
 
 use anyhow::{Result, bail};
@@ -27,6 +28,8 @@ enum What {
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),
+    /// Unwrap objects and show them on one picture: checker, seams, layout, figures.
+    Sheet(sheet::Args),
 }
 
 /// Run it.
@@ -34,6 +37,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
+        What::Sheet(args) => sheet::run(args),
     }
 }
 
