@@ -1,5 +1,6 @@
 //! Whole jobs on the samples, from bytes to artifacts, with default options.
-//! `cargo bench --bench pipeline`. Where the time of a job goes stands in its own metrics (`cost`).
+//! `cargo bench --bench pipeline`. Where the time of a job goes stands in its own metrics (`cost`);
+//! `stages` measures each stage by itself.
 
 use uvsegnet::contract::{Limits, MeshKind, Quality, Run, UnwrapOptions};
 use uvsegnet::device::Device;

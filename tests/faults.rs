@@ -336,6 +336,35 @@ async fn a_drained_server_hands_its_job_back_and_no_attempt_is_spent() {
 }
 
 #[tokio::test]
+async fn while_its_last_job_ends_a_drained_server_says_so_and_its_streams_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut server = Server::start(folder.path(), &["--drain-timeout", "100"]);
+    let id = server.submit(&long_enough()).await;
+    server.training(&id, 1).await;
+    let stream = server.stream(&id).await;
+    signal("TERM", u64::from(server.process.id()));
+    // A new connection each time: that the old ones stay is not enough.
+    let ask = |method: reqwest::Method, path: &str| {
+        reqwest::Client::new().request(method, format!("{}{path}", server.url))
+    };
+    let ready = eventually("it is not ready any more", async || {
+        let answer = ask(reqwest::Method::GET, "/readyz").send().await.unwrap();
+        (answer.status() == 503).then_some(answer)
+    })
+    .await;
+    assert_eq!(ready.json::<Value>().await.unwrap()["code"], "draining");
+    let upload = ask(reqwest::Method::POST, "/v1/jobs").body(bumps(2)).send().await.unwrap();
+    assert_eq!(upload.status(), 503);
+    assert!(upload.headers().contains_key("retry-after"));
+    assert_eq!(upload.json::<Value>().await.unwrap()["code"], "draining");
+    assert_eq!(server.job(&id).await["state"], "running");
+    assert_eq!(stream.await.unwrap().last().unwrap().1, "succeeded");
+    let process = &mut server.process;
+    let status = eventually("the server ends", async || process.try_wait().unwrap()).await;
+    assert!(status.success());
+}
+
+#[tokio::test]
 async fn a_job_that_runs_too_long_fails() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path(), &["--job-timeout", "1"]);

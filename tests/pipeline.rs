@@ -84,30 +84,15 @@ fn quality_fast_trains_nothing() {
     assert!(m.charts.iter().all(|c| c.steps == 0 && c.neural_gain.is_none()));
 }
 
-/// Every artifact, with the metrics less their cost.
-fn comparable(result: &Unwrapped) -> Vec<(&'static str, Vec<u8>)> {
-    let strip = |bytes: &[u8]| {
-        let mut json: serde_json::Value = serde_json::from_slice(bytes).unwrap();
-        json.as_object_mut().unwrap().remove("cost").unwrap();
-        serde_json::to_vec(&json).unwrap()
-    };
-    let file = |a: &uvsegnet::pipeline::Artifact| match a.name {
-        "metrics.json" => (a.name, strip(&a.bytes)),
-        name => (name, a.bytes.clone()),
-    };
-    result.artifacts().iter().map(file).collect()
-}
-
 #[test]
 fn the_same_bytes_at_one_and_two_threads() {
     let at = |threads: usize, name: &str| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| comparable(&unwrap_example(name, &quick())))
+        pool.install(|| unwrap_example(name, &quick()))
     };
     for name in ["chair_small.glb", "chair_fused.glb"] {
-        for (one, two) in at(1, name).iter().zip(&at(2, name)) {
-            assert!(one == two, "{name}: {} differs", one.0);
-        }
+        let differences = at(1, name).differences(&at(2, name));
+        assert!(differences.is_empty(), "{name}: {differences:?} differ");
     }
 }
 
@@ -217,4 +202,59 @@ fn the_quality_benchmark_writes_a_line_an_object_and_resumes() {
         // The point of it all: fewer charts than the classical unwrapper.
         assert!(line["ours"]["charts"].as_u64() < line["peer"]["charts"].as_u64(), "{line}");
     }
+}
+
+#[test]
+fn the_determinism_benchmark_says_who_is_the_same_and_who_failed() {
+    let dir = tempfile::tempdir().unwrap();
+    let (meshes, names) = (dir.path().join("meshes"), dir.path().join("names.txt"));
+    std::fs::create_dir_all(meshes.join("deep")).unwrap();
+    std::fs::copy(example("knife.glb"), meshes.join("deep/knife.glb")).unwrap();
+    std::fs::write(meshes.join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    let bench = |list: &str| {
+        std::fs::write(&names, list).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
+            .args(["bench", "determinism", "--steps", "20", "--names"])
+            .args([&names, &meshes])
+            .output()
+            .unwrap();
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        (output.status.code(), said)
+    };
+    let (code, said) = bench("# knives\n\nknife # with a handle\n");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains(" triangles, ok\n1 objects: 1 the same bytes, 0 differ"), "{said}");
+    let (code, said) = bench("broken\nknife\n");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("2 objects: 1 the same bytes, 0 differ, 1 failed"), "{said}");
+    let (code, said) = bench("spoon\n");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("no spoon"), "{said}");
+}
+
+#[test]
+fn the_sheet_shows_every_object_and_says_who_failed() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["knife.glb", "table.glb"] {
+        std::fs::copy(example(name), dir.path().join(name)).unwrap();
+    }
+    let sheet = dir.path().join("sheet.png");
+    let bench = || {
+        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
+            .args(["bench", "sheet", "--quality", "fast", "--columns", "2", "--output"])
+            .args([sheet.as_path(), dir.path()])
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&sheet).unwrap()));
+        (output.status.success(), said, reader.read_info().unwrap().info().size())
+    };
+    let (success, said, size) = bench();
+    assert!(success, "{said}");
+    assert!(said.contains("knife, ") && said.contains(" charts, seam "), "{said}");
+    std::fs::write(dir.path().join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    let (success, said, larger) = bench();
+    assert!(!success && said.contains("1 of 3 objects could not be unwrapped"), "{said}");
+    assert_eq!((larger.0, larger.1 > size.1), (size.0, true));
 }

@@ -69,9 +69,9 @@ pub fn run(args: Args) -> Result<()> {
 /// their jobs are taken up at the next start.
 pub struct Service {
     address: SocketAddr,
-    /// Readiness ends, no job is accepted or claimed, streams end.
+    /// Readiness ends, no job is accepted or claimed.
     drain: CancellationToken,
-    /// Housekeeping ends.
+    /// Streams end, nobody is let in any more, housekeeping ends.
     close: CancellationToken,
     api: JoinHandle<std::io::Result<()>>,
     supervisor: JoinHandle<()>,
@@ -115,7 +115,8 @@ impl Service {
             blobs,
             changes,
             limits: args.limits.limits(),
-            shutdown: drain.clone(),
+            draining: drain.clone(),
+            closing: close.clone(),
         };
         let api_ended = CancellationToken::new();
         let guard = api_ended.clone().drop_guard();
@@ -143,8 +144,8 @@ impl Service {
         self.api_ended.cancelled().await;
     }
 
-    /// Shut down in order: take nothing new, end the streams, let running jobs finish or hand them
-    /// back, leave.
+    /// Shut down in order: take nothing new, let running jobs finish or hand them back, end the
+    /// streams, leave.
     pub async fn stop(self) -> Result<()> {
         self.drain.cancel();
         self.supervisor.await.context("the supervisor failed")?;

@@ -29,27 +29,28 @@ use std::time::Duration;
 use axum::Router;
 use tokio::net::TcpListener;
 
-/// How long open requests may go on after the service was told to stop.
-const DRAIN: Duration = Duration::from_secs(10);
+/// How long open requests may go on after the close.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The whole API as a service.
 pub fn router(state: AppState) -> Router {
     edge::around(routes::all().with_state(state))
 }
 
-/// Answer on `listener` until `state.shutdown`. From then on event streams end, waits are cut short,
-/// new jobs are refused (`draining`), and what is still open after ten seconds is dropped.
+/// Answer on `listener` until `state.closing`. While the service drains, new jobs are refused and
+/// everything else goes on, so that a load balancer hears it and clients see their jobs end. At the
+/// close event streams end, waits are cut short, and what is still open after ten seconds is dropped.
 pub async fn serve(listener: TcpListener, state: AppState) -> io::Result<()> {
-    let shutdown = state.shutdown.clone();
+    let closing = state.closing.clone();
     let patience = {
-        let shutdown = shutdown.clone();
+        let closing = closing.clone();
         async move {
-            shutdown.cancelled().await;
-            tokio::time::sleep(DRAIN).await;
+            closing.cancelled().await;
+            tokio::time::sleep(PATIENCE).await;
         }
     };
     let serve = axum::serve(listener, router(state))
-        .with_graceful_shutdown(async move { shutdown.cancelled().await });
+        .with_graceful_shutdown(async move { closing.cancelled().await });
     tokio::select! {
         done = serve => done,
         () = patience => {

@@ -101,28 +101,26 @@ impl Tail {
 
     fn frames(self) -> impl Stream<Item = Frame> + Send {
         unfold(self, |mut tail| async move {
-            let stop = tail.state.shutdown.clone();
-            tokio::select! {
-                biased;
-                () = stop.cancelled() => None,
-                next = tail.next() => match next {
-                    Ok(frame) => frame.map(|frame| (frame, tail)),
-                    Err(error) => {
-                        // The reader comes back with its last id and misses nothing.
-                        tracing::error!(%error, "an event stream broke off");
-                        None
-                    }
-                },
+            match tail.next().await {
+                Ok(frame) => frame.map(|frame| (frame, tail)),
+                Err(error) => {
+                    // The reader comes back with its last id and misses nothing.
+                    tracing::error!(%error, "an event stream broke off");
+                    None
+                }
             }
         })
     }
 
-    /// The next frame; `None` when the job is over and all was sent, or is gone.
+    /// The next frame; `None` when the job is over and all was sent, or is gone, and when the service
+    /// closes: then what stands in the rows by that time is sent first, such as the end of the job
+    /// that the service waited for.
     async fn next(&mut self) -> Result<Option<Frame>, QueueError> {
         loop {
             if let Some(event) = self.rows.pop_front() {
                 return Ok(Some(self.frame(event)));
             }
+            let closing = self.state.closing.is_cancelled();
             let rows = match self.source {
                 Source::Job { over: true, .. } => return Ok(None),
                 Source::Job { id, .. } => {
@@ -134,12 +132,18 @@ impl Tail {
             if !self.rows.is_empty() {
                 continue;
             }
+            if closing {
+                return Ok(None);
+            }
             if let Source::Job { id, .. } = self.source
                 && self.all_sent(id).await?
             {
                 return Ok(None);
             }
-            self.changes.changed_within(KEEP_ALIVE).await;
+            tokio::select! {
+                () = self.changes.changed_within(KEEP_ALIVE) => {}
+                () = self.state.closing.cancelled() => {}
+            }
         }
     }
 

@@ -20,11 +20,23 @@ pub struct AppState {
     pub changes: Changes,
     /// What the service accepts.
     pub limits: Limits,
-    /// Set when the service is to stop.
-    pub shutdown: CancellationToken,
+    /// Set when the service is to finish what it has begun and to take nothing new.
+    pub draining: CancellationToken,
+    /// Set when that is done: streams and waits end, and nobody is let in any more.
+    pub closing: CancellationToken,
 }
 
 impl AppState {
+    /// Refuse while the service drains.
+    pub(super) fn takes_new_work(&self) -> Result<(), Problem> {
+        if !self.draining.is_cancelled() {
+            return Ok(());
+        }
+        let detail = "The service finishes what it has begun and then goes; try again in a moment";
+        let problem = Problem::new(ErrorCode::Draining, detail);
+        Err(problem.with_header(header::RETRY_AFTER, RETRY_AFTER))
+    }
+
     /// The job that an address names.
     pub(super) async fn job(&self, id: &str) -> Result<Job, Problem> {
         let unknown = || Problem::not_found(format_args!("The job {id:?}"));
@@ -33,7 +45,7 @@ impl AppState {
     }
 }
 
-/// Seconds after which a client may try again when the queue is full.
+/// Seconds after which a client may try again when the queue is full or the service goes.
 const RETRY_AFTER: HeaderValue = HeaderValue::from_static("5");
 
 impl From<QueueError> for Problem {

@@ -7,7 +7,7 @@ use tokio::time::Instant;
 use super::AppState;
 use crate::jobs::{Job, JobId, QueueError};
 
-/// Look at a job until `enough`, or until `patience` is over or the service stops. The last look is
+/// Look at a job until `enough`, or until `patience` is over or the service closes. The last look is
 /// returned; `None` where there is no such job (any more).
 pub async fn until(
     state: &AppState,
@@ -20,12 +20,12 @@ pub async fn until(
     loop {
         let Some(job) = state.queue.get(id).await? else { return Ok(None) };
         let left = end.saturating_duration_since(Instant::now());
-        if enough(&job) || left.is_zero() || state.shutdown.is_cancelled() {
+        if enough(&job) || left.is_zero() || state.closing.is_cancelled() {
             return Ok(Some(job));
         }
         tokio::select! {
             () = changes.changed_within(left) => {}
-            () = state.shutdown.cancelled() => {}
+            () = state.closing.cancelled() => {}
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the pipeline returns: the metrics and the named files, the same for every caller.
 
-use crate::contract::Metrics;
+use crate::contract::{Cost, Metrics};
 
 /// One file of a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,6 +32,28 @@ impl Unwrapped {
         self.artifacts.iter().find(|a| a.name == name).map(|a| a.bytes.as_slice())
     }
 
+    /// Names of the files in which two results differ. The metrics are compared less their `cost`:
+    /// it tells of the run and not of the result.
+    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+        let less_cost = |m: &Metrics| Metrics { cost: Cost::default(), ..m.clone() };
+        let same = |a: &Artifact, b: &Artifact| match a.name {
+            // As text, for there two numbers that differ look different, and NaN looks the same.
+            "metrics.json" => {
+                let text = |m: &Metrics| serde_json::to_string(&less_cost(m)).ok();
+                text(&self.metrics) == text(&other.metrics)
+            }
+            _ => a.bytes == b.bytes,
+        };
+        let missing = |of: &Self, name: &str| of.artifact(name).is_none();
+        let differs = |a: &&Artifact| {
+            let twin = other.artifacts.iter().find(|b| b.name == a.name);
+            twin.is_none_or(|b| !same(a, b))
+        };
+        let own = self.artifacts.iter().filter(differs);
+        let foreign = other.artifacts.iter().filter(|b| missing(self, b.name));
+        own.chain(foreign).map(|a| a.name).collect()
+    }
+
     /// The result in a sentence or two.
     pub fn summary(&self) -> String {
         let m = &self.metrics;
@@ -52,5 +74,47 @@ impl Unwrapped {
             100.0 * m.atlas.packing_efficiency.covered,
             m.cost.wall_s,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::{AtlasMetrics, Repairs, Units};
+
+    /// A result with two files, one of them its metrics.
+    fn result() -> Unwrapped {
+        let artifact =
+            |name, bytes: &[u8]| Artifact { name, media_type: "", bytes: bytes.to_vec() };
+        let artifacts = vec![artifact("model.glb", b"glTF"), artifact("metrics.json", b"{}")];
+        let metrics = Metrics {
+            schema: 1,
+            deterministic: true,
+            degraded: Vec::new(),
+            units: Units { length: "world".into() },
+            atlas: AtlasMetrics::default(),
+            parts: Vec::new(),
+            charts: Vec::new(),
+            repairs: Repairs::default(),
+            engine: String::new(),
+            device: String::new(),
+            cost: Cost::default(),
+        };
+        Unwrapped { metrics, artifacts }
+    }
+
+    #[test]
+    fn one_byte_one_figure_or_one_file_is_a_difference_and_the_cost_is_none() {
+        let (one, mut two) = (result(), result());
+        two.metrics.cost.wall_s = 1.0;
+        assert!(one.differences(&two).is_empty());
+        two.metrics.atlas.charts = 1;
+        assert_eq!(one.differences(&two), ["metrics.json"]);
+        two.artifacts[0].bytes[3] ^= 1;
+        assert_eq!(one.differences(&two), ["model.glb", "metrics.json"]);
+        let mut less = result();
+        less.artifacts.remove(0);
+        assert_eq!(one.differences(&less), ["model.glb"]);
+        assert_eq!(less.differences(&one), ["model.glb"]);
     }
 }

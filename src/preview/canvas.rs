@@ -32,6 +32,13 @@ impl Canvas {
         }
     }
 
+    /// The part of the canvas whose top left corner is at (`x`, `y`); it must lie inside.
+    pub(super) fn part(&self, x: usize, y: usize, width: usize, height: usize) -> Self {
+        let rows = (y..y + height).map(|row| row * self.width + x);
+        let pixels = rows.flat_map(|start| &self.pixels[start..start + width]).copied().collect();
+        Self { width, height, pixels }
+    }
+
     /// Copies another canvas, of `factor` times the resolution, to (`x`, `y`), averaging blocks.
     pub(super) fn paste_smaller(&mut self, other: &Canvas, factor: usize, x: usize, y: usize) {
         let weight = 1.0 / (factor * factor) as f32;

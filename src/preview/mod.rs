@@ -1,5 +1,6 @@
 //! The two pictures of a result: the UV layout as SVG, and one PNG that shows a checker on the shaded
-//! object, its parts and its layout, drawn on the CPU. Same input, same bytes.
+//! object, its parts and its layout, drawn on the CPU. Same input, same bytes. A contact sheet shows
+//! many results.
 
 mod camera;
 mod canvas;
@@ -12,10 +13,13 @@ mod palette;
 mod picture;
 mod raster;
 mod shade;
+mod sheet;
 mod svg;
 #[cfg(test)]
 mod tests;
+mod text;
 
 pub use palette::part_color;
 pub use picture::{PreviewError, preview_png};
+pub use sheet::{SheetCell, SheetError, contact_sheet};
 pub use svg::uv_layout_svg;

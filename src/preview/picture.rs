@@ -14,8 +14,8 @@ use crate::mesh::NONE;
 use crate::metrics::{EdgeTable, Measured};
 
 /// Width and height of the large panel; the small ones are half of it.
-const LARGE: usize = 768;
-const SMALL: usize = LARGE / 2;
+pub(super) const LARGE: usize = 768;
+pub(super) const SMALL: usize = LARGE / 2;
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
@@ -44,7 +44,7 @@ pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError>
         page.pixels[SMALL * page.width + x] = linear(RULE);
     }
     cancel.check()?;
-    Ok(encode_png(&page)?)
+    Ok(encode_png(&page, png::Compression::Fast)?)
 }
 
 /// Lines between panels.
@@ -96,12 +96,16 @@ fn layout_panel(input: &Measured, edges: &EdgeTable) -> Canvas {
     canvas
 }
 
-fn encode_png(page: &Canvas) -> Result<Vec<u8>, png::EncodingError> {
+/// A canvas as PNG.
+pub(super) fn encode_png(
+    page: &Canvas,
+    compression: png::Compression,
+) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, page.width as u32, page.height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
+    encoder.set_compression(compression);
     let mut writer = encoder.write_header()?;
     let colors: Vec<[u8; 3]> = page.pixels.par_iter().map(|p| encode(*p)).collect();
     writer.write_image_data(colors.as_flattened())?;

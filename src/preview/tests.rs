@@ -8,7 +8,7 @@ use super::camera::Camera;
 use super::canvas::Canvas;
 use super::palette::{hex, part_color};
 use super::raster::{Visible, center};
-use super::{preview_png, uv_layout_svg};
+use super::{SheetCell, SheetError, contact_sheet, preview_png, uv_layout_svg};
 use crate::contract::{Cancel, Run};
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
@@ -212,6 +212,34 @@ fn the_picture_shows_the_object_its_parts_and_its_layout() {
     assert_eq!(page(0.97, 0.97), [255; 3]);
     let inside = page(0.12, 0.22);
     assert!(inside[2] > inside[0] + 40, "{inside:?}");
+}
+
+#[test]
+fn a_sheet_has_a_cell_an_object_with_its_checker_its_layout_and_its_words() {
+    let preview = with_cube(|m| preview_png(m, &Run::quiet())).unwrap();
+    let caption = vec!["cube".to_owned(), "six charts".to_owned()];
+    let full = SheetCell { preview: Some(preview), caption: caption.clone() };
+    let empty = SheetCell { preview: None, caption };
+    let cells = [full.clone(), empty, full];
+    let (width, height, pixels) = decode(&contact_sheet(&cells, 2).unwrap());
+    assert_eq!((width, height), (2 * 456 + 8, 2 * 264 + 8));
+    let cell = |column: usize, row: usize| {
+        let at = |x: usize, y: usize| pixels[(8 + row * 264 + y) * 920 + 8 + column * 456 + x];
+        // Seams of the checker, sheet of the layout, ink of the words.
+        let red = |[r, g, b]: [u8; 3]| r > 110 && g < 100 && b < 110;
+        let seams = (0..256 * 256).filter(|i| red(at(i % 256, i / 256))).count();
+        let paper = (256..448).filter(|x| at(*x, 12) == [255; 3]).count();
+        let dark = |[r, ..]: [u8; 3]| r < 130;
+        let ink = (0..192 * 64).filter(|i| dark(at(256 + i % 192, 192 + i / 192))).count();
+        (seams, paper, ink)
+    };
+    let (seams, paper, ink) = cell(0, 0);
+    assert!(seams > 50 && paper > 150 && ink > 50, "{seams} {paper} {ink}");
+    assert_eq!(cell(0, 1), (seams, paper, ink));
+    assert_eq!(cell(1, 0), (0, 192, ink), "only its words");
+    assert_eq!(cell(1, 1), (0, 192, 0), "nobody's place");
+    let foreign = SheetCell { preview: Some(contact_sheet(&[], 1).unwrap()), caption: vec![] };
+    assert!(matches!(contact_sheet(&[foreign], 1), Err(SheetError::Foreign { .. })));
 }
 
 #[test]

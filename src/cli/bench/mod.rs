@@ -1,12 +1,18 @@
-//! `uvsegnet bench`: how good the results are on a folder of meshes.
+//! `uvsegnet bench`: how good the results are on a folder of meshes, whether they are the same bytes
+//! every time, and what they look like.
 
+mod determinism;
+mod files;
 mod object;
 mod peer;
 mod quality;
+mod sheet;
 mod table;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Subcommand;
+
+use crate::contract::UnwrapOptions;
 
 /// Arguments of `uvsegnet bench`.
 #[derive(Debug, clap::Args)]
@@ -20,11 +26,27 @@ enum What {
     /// Unwrap every mesh of a folder, next to the classical unwrapper on the same sheets; write one
     /// JSON line an object and print the table.
     Quality(quality::Args),
+    /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
+    Determinism(determinism::Args),
+    /// Unwrap objects and show them on one picture: checker, seams, layout, figures.
+    Sheet(sheet::Args),
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
+        What::Determinism(args) => determinism::run(args),
+        What::Sheet(args) => sheet::run(args),
+    }
+}
+
+/// Refuse options that no object could be unwrapped with.
+fn check(options: &UnwrapOptions) -> Result<()> {
+    match options.validate() {
+        Ok(()) => Ok(()),
+        Err(errors) => {
+            bail!("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+        }
     }
 }

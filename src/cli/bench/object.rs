@@ -1,13 +1,13 @@
 //! One object of the quality benchmark: unwrapped with the given options, next to the peer; again at
 //! the peer's own distortion, to see who needs fewer charts then; and again along given labels.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, anyhow};
 use serde_json::{Map, Value, json};
 
+use super::files::guarded;
 use super::peer;
 use crate::cli::input::Files;
 use crate::contract::{Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions};
@@ -36,13 +36,8 @@ pub struct Arms<'a> {
 
 /// The object's line. Whatever goes wrong, panics included, is an `error` in it.
 pub fn line(name: &str, path: &Path, arms: &Arms) -> Value {
-    let measured = catch_unwind(AssertUnwindSafe(|| measure(name, path, arms)));
-    let error = |text: String| json!({ "object": name, "error": text });
-    match measured {
-        Ok(Ok(line)) => line,
-        Ok(Err(e)) => error(format!("{e:#}")),
-        Err(_) => error("panicked".into()),
-    }
+    guarded(|| measure(name, path, arms))
+        .unwrap_or_else(|error| json!({ "object": name, "error": format!("{error:#}") }))
 }
 
 fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {

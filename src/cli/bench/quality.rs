@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
+use super::files::Shard;
 use super::object::{self, Arms};
 use super::table;
 use crate::contract::UnwrapOptions;
@@ -47,51 +47,10 @@ pub struct Args {
     pub options: UnwrapOptions,
 }
 
-/// The I-th of N shares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    index: usize,
-    count: usize,
-}
-
-impl Default for Shard {
-    fn default() -> Self {
-        Self { index: 0, count: 1 }
-    }
-}
-
-impl std::fmt::Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.index, self.count)
-    }
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parsed =
-            text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-        match parsed {
-            Some((index, count)) if index < count => Ok(Self { index, count }),
-            _ => Err("must be I/N with I < N, for example 0/4".into()),
-        }
-    }
-}
-
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    if let Err(errors) = args.options.validate() {
-        bail!("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"));
-    }
-    let mut files = Vec::new();
-    meshes(&args.dir, &mut files)?;
-    files.sort();
-    let shard = files
-        .into_iter()
-        .enumerate()
-        .filter(|(i, _)| i % args.shard.count == args.shard.index)
-        .map(|(_, (_, path))| path);
+    super::check(&args.options)?;
+    let shard = args.shard.of(&args.dir)?.into_iter();
     let done = done(&args.output)?;
     let device = device::choose(&args.device)?;
     let folder = std::env::temp_dir().join(format!("uvsegnet-bench-{}", std::process::id()));
@@ -121,22 +80,6 @@ pub fn run(args: Args) -> Result<()> {
     }
     std::fs::remove_dir_all(&folder).ok();
     println!("{}", table::table(&table::read(&args.output)?));
-    Ok(())
-}
-
-/// Every mesh under a folder with its size.
-fn meshes(dir: &Path, into: &mut Vec<(u64, PathBuf)>) -> Result<()> {
-    let entries = std::fs::read_dir(dir)
-        .with_context(|| format!("cannot read the folder {}", dir.display()))?;
-    for entry in entries {
-        let path = entry?.path();
-        let kind = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        if path.is_dir() {
-            meshes(&path, into)?;
-        } else if matches!(kind.as_deref(), Some("obj" | "glb" | "gltf")) {
-            into.push((path.metadata()?.len(), path));
-        }
-    }
     Ok(())
 }
 

@@ -46,9 +46,7 @@ refusals! { NotReady: Draining NoWorker Internal }
     responses((status = 200, description = "A worker can take a job", body = Readiness), NotReady),
 )]
 pub async fn ready(State(state): State<AppState>) -> Result<Json<Readiness>, Problem> {
-    if state.shutdown.is_cancelled() {
-        return Err(Problem::new(ErrorCode::Draining, "The service finishes what it has begun"));
-    }
+    state.takes_new_work()?;
     match state.queue.stats().await?.workers_ready() {
         0 => {
             let detail = "No worker is alive that takes jobs; jobs wait in the queue until one is";

@@ -51,12 +51,7 @@ refusals! { SubmitRefused: MalformedRequest UploadTooLarge UnsupportedMediaType 
     ),
 )]
 pub async fn submit(State(state): State<AppState>, request: Request) -> Result<Response, Problem> {
-    if state.shutdown.is_cancelled() {
-        return Err(Problem::new(
-            ErrorCode::Draining,
-            "The service is going; submit again in a moment",
-        ));
-    }
+    state.takes_new_work()?;
     let patience = prefer::wait(request.headers());
     let upload = Upload::receive(&state, request).await?;
     // In a task of its own: a client that goes away now must not leave a blob without a row.

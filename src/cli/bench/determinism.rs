@@ -1,0 +1,108 @@
+//! `uvsegnet bench determinism`: the promise of the same bytes, kept on given objects. Each is
+//! unwrapped twice with one thread and twice with two, and every file is compared.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use rayon::ThreadPool;
+
+use super::files::{guarded, named, stem};
+use crate::cli::input::Files;
+use crate::contract::{Limits, Run, UnwrapOptions};
+use crate::device::{self, Device, DeviceChoice};
+use crate::pipeline::{self, Unwrapped};
+
+/// Threads of each run; the others are held against the first.
+const THREADS: [usize; 4] = [1, 1, 2, 2];
+
+/// Arguments of `uvsegnet bench determinism`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder of meshes (GLB, glTF, OBJ), searched to the bottom.
+    pub dir: PathBuf,
+    /// Which objects: one file name without its extension a line, # begins a comment.
+    #[arg(long)]
+    pub names: PathBuf,
+    /// Device to train on: auto, cpu, gpu or gpu:N.
+    #[arg(long, default_value_t)]
+    pub device: DeviceChoice,
+    #[command(flatten)]
+    pub options: UnwrapOptions,
+}
+
+/// Run it: one line an object, a summary; an error if any object differs or fails.
+pub fn run(args: Args) -> Result<()> {
+    super::check(&args.options)?;
+    let device = device::choose(&args.device)?;
+    let pool = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.context("cannot start the threads")
+    };
+    let pools = THREADS.iter().map(|&t| pool(t)).collect::<Result<Vec<_>>>()?;
+    let paths = named(&args.dir, &args.names)?;
+    let (mut same, mut differ, mut failed) = (0, 0, 0);
+    for path in &paths {
+        let verdict = match guarded(|| compare(path, &args.options, &device, &pools)) {
+            Ok((text, true)) => {
+                same += 1;
+                text
+            }
+            Ok((text, false)) => {
+                differ += 1;
+                text
+            }
+            Err(error) => {
+                failed += 1;
+                format!("{error:#}")
+            }
+        };
+        println!("{}: {verdict}", stem(path));
+    }
+    println!("{} objects: {same} the same bytes, {differ} differ, {failed} failed", paths.len());
+    if same < paths.len() {
+        bail!("{} of {} objects are not the same at every run", paths.len() - same, paths.len());
+    }
+    Ok(())
+}
+
+/// What is said of one object, and whether every run gave the same bytes.
+fn compare(
+    path: &Path,
+    options: &UnwrapOptions,
+    device: &Device,
+    pools: &[ThreadPool],
+) -> Result<(String, bool)> {
+    let files = Files::read(path, None)?;
+    let unwrap = |pool: &ThreadPool| {
+        let limits = Limits::default();
+        pool.install(|| {
+            pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())
+        })
+    };
+    let first = unwrap(&pools[0])?;
+    let mut text = format!("{} triangles", triangles(&first));
+    let mut clocked = !first.metrics.deterministic;
+    let mut same = true;
+    for (pool, run) in pools.iter().zip(1..).skip(1) {
+        let again = unwrap(pool)?;
+        clocked |= !again.metrics.deterministic;
+        let differing = first.differences(&again);
+        if !differing.is_empty() {
+            same = false;
+            let threads = pool.current_num_threads();
+            text += &format!(", run {run} ({threads} threads) differs: {}", differing.join(", "));
+        }
+    }
+    if same {
+        text += ", ok";
+    }
+    if clocked {
+        text += " (the clock stepped in: nothing was promised)";
+    }
+    Ok((text, same))
+}
+
+/// Triangles that have charts, with those that carry another's coordinates.
+fn triangles(unwrapped: &Unwrapped) -> u64 {
+    unwrapped.metrics.parts.iter().map(|part| part.faces).sum()
+}
