@@ -30,7 +30,7 @@ const DEPTH: f64 = 0.03;
 const DEPTH_MISFIT: f64 = 3.0;
 
 /// Rotation and shift.
-type Motion = (DMat2, DVec2);
+pub type Motion = (DMat2, DVec2);
 
 /// A union that is worth a solve.
 pub struct Attempt<'c> {
@@ -92,7 +92,7 @@ impl<'c> Attempt<'c> {
             faces.sort_unstable();
         }
         let piece = work.mesh.cut_open(faces, &work.glued);
-        let joined = self.lay_out(work, &piece);
+        let joined = lay_out(work, &piece, b, self.motion);
         let allowed = self.allowed / piece.disk.area();
         let Some(fit) = refine(&piece.disk, joined, allowed, limits.clearance, run)? else {
             work.set_glued(&path, false);
@@ -104,28 +104,28 @@ impl<'c> Attempt<'c> {
         work.place(a, &piece, &fit);
         Ok(true)
     }
+}
 
-    /// The maps of both charts, the other's moved next to this one.
-    fn lay_out(&self, work: &Patchwork, piece: &Piece) -> Joined {
-        let mut sum = vec![(DVec2::ZERO, 0.0); piece.disk.positions.len()];
-        let mut frames = Vec::with_capacity(piece.faces.len());
-        for ((&f, triangle), rest) in
-            piece.faces.iter().zip(&piece.disk.triangles).zip(&piece.disk.rest)
-        {
-            let theirs = self.motion.filter(|_| work.chart_of[f as usize] == self.candidate.b);
-            let corners = [0, 1, 2].map(|k| {
-                let at = work.uv[3 * f as usize + k];
-                theirs.map_or(at, |(rotation, shift)| rotation * at + shift)
-            });
-            for (&v, at) in triangle.iter().zip(corners) {
-                let entry = &mut sum[v as usize];
-                *entry = (entry.0 + at, entry.1 + 1.0);
-            }
-            let [a, b, c] = corners;
-            frames.push(DMat2::from_cols(b - a, c - a) * *rest);
+/// The maps of the charts that a piece is made of, those of chart `moved` moved.
+pub fn lay_out(work: &Patchwork, piece: &Piece, moved: u32, motion: Option<Motion>) -> Joined {
+    let mut sum = vec![(DVec2::ZERO, 0.0); piece.disk.positions.len()];
+    let mut frames = Vec::with_capacity(piece.faces.len());
+    for ((&f, triangle), rest) in
+        piece.faces.iter().zip(&piece.disk.triangles).zip(&piece.disk.rest)
+    {
+        let theirs = motion.filter(|_| work.chart_of[f as usize] == moved);
+        let corners = [0, 1, 2].map(|k| {
+            let at = work.uv[3 * f as usize + k];
+            theirs.map_or(at, |(rotation, shift)| rotation * at + shift)
+        });
+        for (&v, at) in triangle.iter().zip(corners) {
+            let entry = &mut sum[v as usize];
+            *entry = (entry.0 + at, entry.1 + 1.0);
         }
-        Joined { uv: sum.into_iter().map(|(total, count)| total / count).collect(), frames }
+        let [a, b, c] = corners;
+        frames.push(DMat2::from_cols(b - a, c - a) * *rest);
     }
+    Joined { uv: sum.into_iter().map(|(total, count)| total / count).collect(), frames }
 }
 
 /// Whether a page can be filled with such unions: not too long, and the rectangle around it filled
@@ -180,7 +180,7 @@ fn gap(work: &Patchwork, path: &[u32]) -> f64 {
 
 /// The rotation and shift that lay the far side of a path best onto its near side, and how far
 /// (squared, mean) they are apart then; `None` where they differ too much to be worth a solve.
-fn rigid_motion(work: &Patchwork, path: &[u32]) -> Option<(Motion, f64)> {
+pub fn rigid_motion(work: &Patchwork, path: &[u32]) -> Option<(Motion, f64)> {
     let mut pairs = Vec::with_capacity(2 * path.len());
     let mut length = 0.0;
     for &h in path {

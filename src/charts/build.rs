@@ -13,6 +13,7 @@ use super::open::open;
 use super::part_mesh::{PartMesh, Piece};
 use super::patchwork::Patchwork;
 use super::split::halves;
+use super::straighten::straighten;
 use super::tube::{self, Tube};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, flatten_triangle};
@@ -164,6 +165,7 @@ fn weld(
     }
     drop(fits);
     merge(&mut work, limits, run)?;
+    straighten(&mut work, limits, run)?;
     shorten(&mut work, limits);
     let mut charts = Vec::new();
     for (number, faces) in work.faces.iter().enumerate().filter(|(_, f)| !f.is_empty()) {

@@ -19,6 +19,7 @@ mod open;
 mod part_mesh;
 mod patchwork;
 mod split;
+mod straighten;
 mod tube;
 
 #[cfg(test)]

@@ -76,6 +76,14 @@ impl<'a> Patchwork<'a> {
         uv
     }
 
+    /// A chart comes to own a piece's faces, with its map.
+    pub fn take(&mut self, chart: u32, piece: &Piece, fit: &Fit) {
+        piece.faces.iter().for_each(|&f| self.chart_of[f as usize] = chart);
+        self.faces[chart as usize].clone_from(&piece.faces);
+        self.area[chart as usize] = piece.disk.area();
+        self.place(chart, piece, fit);
+    }
+
     /// Chart `gone` becomes part of `keep`.
     pub fn absorb(&mut self, keep: u32, gone: u32) {
         let faces = std::mem::take(&mut self.faces[gone as usize]);

@@ -5,10 +5,15 @@ use std::collections::HashMap;
 use glam::DVec3;
 use proptest::prelude::*;
 
+use super::fit::Fit;
+use super::limits::Limits;
+use super::part_mesh::PartMesh;
+use super::patchwork::Patchwork;
+use super::straighten::straighten;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
-use crate::mesh::{Document, Primitive, Scene, Surface, condition};
+use crate::mesh::{Document, NONE, Primitive, Scene, Surface, condition};
 
 /// A conditioned surface; vertices at one place are one.
 fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
@@ -202,4 +207,38 @@ proptest! {
             .collect();
         cut(&quads(positions.collect(), &sides), 10f64.powf(bound));
     }
+}
+
+#[test]
+fn a_jagged_seam_is_moved_straight() {
+    // A sheet of 8 × 8 squares, each half dealt to one chart along a comb.
+    let n = 8u32;
+    let corner = |i: u32| DVec3::new(f64::from(i % (n + 1)), f64::from(i / (n + 1)), 0.0);
+    let square = |i: u32| {
+        let v = i / n * (n + 1) + i % n;
+        [v, v + 1, v + n + 2, v + n + 1]
+    };
+    let squares: Vec<[u32; 4]> = (0..n * n).map(square).collect();
+    let s = quads((0..(n + 1) * (n + 1)).map(corner).collect(), &squares);
+    let mesh = PartMesh::new(&s, (0..2 * n * n).collect());
+    let reach = |row: u32| if row.is_multiple_of(2) { 3 } else { 5 };
+    let chart_of: Vec<u32> =
+        (0..2 * n * n).map(|f| u32::from(f / 2 % n >= reach(f / 2 / n))).collect();
+    let glued: Vec<bool> = (0..mesh.twin.len())
+        .map(|h| mesh.twin[h] != NONE && chart_of[h / 3] == chart_of[mesh.twin[h] as usize / 3])
+        .collect();
+    let mut work = Patchwork::new(&mesh, chart_of, glued);
+    for chart in 0..2 {
+        let piece = mesh.cut_open(work.faces[chart as usize].clone(), &work.glued);
+        let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
+        work.place(chart, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
+    }
+    straighten(&mut work, &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+    let seam = |work: &Patchwork| -> f64 {
+        let across = |h: &u32| work.across(*h) == Some(1);
+        work.rims[0].iter().flatten().filter(|h| across(h)).map(|&h| mesh.length(h)).sum()
+    };
+    assert!((seam(&work) - f64::from(n)).abs() < 1e-9, "{}", seam(&work));
+    assert!(work.energy.iter().all(|&e| e.abs() < 1e-9));
+    assert!((work.area.iter().sum::<f64>() - f64::from(n * n)).abs() < 1e-9);
 }

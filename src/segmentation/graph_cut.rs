@@ -7,11 +7,11 @@ use std::collections::{BTreeSet, VecDeque};
 
 use super::dual::DualGraph;
 use super::error::SegmentationError;
-use super::maxflow::Flow;
+
 use super::scores::PartScores;
 use super::votes::Votes;
 use crate::contract::{Canceled, Run};
-use crate::mesh::Surface;
+use crate::mesh::{Flow, Surface};
 use crate::sampling::PointCloud;
 
 /// Weight of a boundary against the votes.

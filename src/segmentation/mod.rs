@@ -10,7 +10,6 @@ mod geometric;
 mod given;
 mod graph_cut;
 mod labels;
-mod maxflow;
 mod scores;
 mod sheets;
 mod votes;

@@ -1,0 +1,231 @@
+//! Seams moved: within a collar about the path between two charts the faces are dealt out anew, so that
+//! the seam costs least (length times cost), by one minimal cut; it comes to run straight, or along the
+//! nearest crease. The move of the joint seams (pipeline 5a.4) with the charts' own maps, sewn on, in
+//! place of a field. A move is kept if both charts stay injective and within the bound and the
+//! objective falls.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+use glam::DVec3;
+
+use super::attempt::{Motion, lay_out, rigid_motion};
+use super::candidates;
+use super::cost::edge_cost;
+use super::fit::{Fit, refine};
+use super::limits::Limits;
+use super::part_mesh::Piece;
+use super::patchwork::Patchwork;
+use crate::contract::{Canceled, Run};
+use crate::mesh::{Flow, NONE};
+
+/// Width of the collar on each side, over the size (√area) of the smaller chart. Halved where it would
+/// leave nothing of a chart.
+const COLLAR: f64 = 0.3;
+
+/// Times that the collar is halved.
+const HALVINGS: u32 = 3;
+
+/// Share of the path's cost that a move must save to be worth two solves.
+const WORTHWHILE: f64 = 0.03;
+
+/// Faces that all moves together may flatten, per face of the part.
+const WORK_PER_FACE: usize = 12;
+
+/// Capacity of what must not be cut, over the cost of the path.
+const UNCUT: f64 = 1e3;
+
+/// Move the seams between the charts, each pair's once.
+pub fn straighten(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Canceled> {
+    let mut allowance = WORK_PER_FACE * work.mesh.len();
+    let mut pairs = BTreeSet::new();
+    for a in 0..work.faces.len() as u32 {
+        let found = candidates::around(work, a);
+        pairs.extend(found.iter().filter(|c| c.b > a).map(|c| (a, c.b)));
+    }
+    for (a, b) in pairs {
+        run.cancel.check()?;
+        let size = work.faces[a as usize].len() + work.faces[b as usize].len();
+        if size > allowance {
+            continue;
+        }
+        let paths = candidates::around(work, a).into_iter().filter(|c| c.b == b && !c.zip);
+        let longest = paths.max_by(|c, d| c.cost(work).total_cmp(&d.cost(work)));
+        let Some(path) = longest.map(|c| c.path).filter(|path| path.len() > 1) else { continue };
+        if let Some(motion) = rigid_motion(work, &path).map(|(motion, _)| motion)
+            && let Some(deal) = deal_anew(work, [a, b], &path)
+        {
+            allowance -= size;
+            keep_if_better(work, [a, b], &path, &deal, motion, limits, run)?;
+        }
+    }
+    Ok(())
+}
+
+/// Which faces of the collar go to which of two charts.
+struct Deal {
+    /// Face and chart.
+    faces: BTreeMap<u32, u32>,
+    /// What the seam costs less.
+    saved: f64,
+}
+
+/// The cheapest seam within the collar about a path, if it is worth trying.
+fn deal_anew(work: &Patchwork, [a, b]: [u32; 2], path: &[u32]) -> Option<Deal> {
+    let cost: f64 = path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
+    let mut seam: BTreeSet<u32> = path.iter().copied().collect();
+    seam.extend(path.iter().map(|&h| work.mesh.twin[h as usize]));
+    let mut width = COLLAR * work.area[a as usize].min(work.area[b as usize]).sqrt();
+    for _ in 0..=HALVINGS {
+        let collar = collar(work, [a, b], &seam, width);
+        if let Some(deal) = cut(work, [a, b], &seam, &collar, cost) {
+            return (deal.saved > WORTHWHILE * cost).then_some(deal);
+        }
+        width *= 0.5;
+    }
+    None
+}
+
+/// The edges over which the cut is sought: those that are closed, and the seam's.
+fn crossing(work: &Patchwork, seam: &BTreeSet<u32>, h: u32) -> Option<u32> {
+    let open = work.glued[h as usize] || seam.contains(&h);
+    open.then(|| work.mesh.twin[h as usize]).filter(|&t| t != NONE)
+}
+
+/// Faces of two charts whose centres are no farther from the seam's faces than `width`, over faces.
+fn collar(work: &Patchwork, charts: [u32; 2], seam: &BTreeSet<u32>, width: f64) -> BTreeSet<u32> {
+    let center = |f: u32| {
+        let corners = work.mesh.surface.corners(work.mesh.faces[f as usize] as usize);
+        corners.into_iter().sum::<DVec3>() / 3.0
+    };
+    let mut distance: BTreeMap<u32, f64> = seam.iter().map(|&h| (h / 3, 0.0)).collect();
+    let mut heap: BinaryHeap<Reverse<(u64, u32)>> =
+        distance.keys().map(|&f| Reverse((0, f))).collect();
+    while let Some(Reverse((bits, f))) = heap.pop() {
+        let so_far = f64::from_bits(bits);
+        if so_far > distance[&f] {
+            continue;
+        }
+        for t in (3 * f..3 * f + 3).filter_map(|h| crossing(work, seam, h)) {
+            let g = t / 3;
+            let there = so_far + center(f).distance(center(g));
+            let nearer = distance.get(&g).is_none_or(|&d| there < d);
+            if nearer && there <= width && charts.contains(&work.chart_of[g as usize]) {
+                distance.insert(g, there);
+                heap.push(Reverse((there.to_bits(), g)));
+            }
+        }
+    }
+    distance.into_keys().collect()
+}
+
+/// The minimal cut through a collar; `None` where one of the charts has nothing outside of it.
+fn cut(
+    work: &Patchwork,
+    [a, b]: [u32; 2],
+    seam: &BTreeSet<u32>,
+    collar: &BTreeSet<u32>,
+    cost: f64,
+) -> Option<Deal> {
+    let place: BTreeMap<u32, usize> = collar.iter().enumerate().map(|(i, &f)| (f, i)).collect();
+    let (source, sink) = (collar.len(), collar.len() + 1);
+    let mut flow = Flow::new(collar.len() + 2);
+    let mut tied = [false; 2];
+    let mut edges = Vec::new();
+    for (&f, &i) in &place {
+        let mine = work.chart_of[f as usize];
+        let mut is_tied = false;
+        for h in 3 * f..3 * f + 3 {
+            let Some(t) = crossing(work, seam, h) else { continue };
+            match place.get(&(t / 3)) {
+                Some(&j) if h < t => {
+                    let capacity = edge_cost(work.mesh, h) / cost;
+                    flow.edge(i, j, capacity, capacity);
+                    edges.push((f, t / 3, capacity));
+                }
+                Some(_) => {}
+                None => is_tied = true,
+            }
+        }
+        if is_tied {
+            tied[usize::from(mine == b)] = true;
+            if mine == a {
+                flow.edge(source, i, UNCUT, 0.0);
+            } else {
+                flow.edge(i, sink, UNCUT, 0.0);
+            }
+        }
+    }
+    if tied != [true; 2] {
+        return None;
+    }
+    let side = flow.source_side(source, sink);
+    let faces: BTreeMap<u32, u32> =
+        place.iter().map(|(&f, &i)| (f, if side[i] { a } else { b })).collect();
+    let now: f64 = edges.iter().filter(|(f, g, _)| faces[f] != faces[g]).map(|e| e.2).sum();
+    Some(Deal { faces, saved: (1.0 - now) * cost })
+}
+
+/// Deal the faces out, sew each chart's new ones on, and keep that if the objective falls.
+fn keep_if_better(
+    work: &mut Patchwork,
+    [a, b]: [u32; 2],
+    path: &[u32],
+    deal: &Deal,
+    motion: Motion,
+    limits: &Limits,
+    run: &Run,
+) -> Result<(), Canceled> {
+    let seam: BTreeSet<u32> = path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
+    let owner = |f: u32| deal.faces.get(&f).copied().unwrap_or(work.chart_of[f as usize]);
+    let mut changed = Vec::new();
+    for h in deal.faces.keys().flat_map(|&f| 3 * f..3 * f + 3) {
+        if let Some(t) = crossing(work, &seam, h) {
+            let closed = owner(h / 3) == owner(t / 3);
+            if closed != work.glued[h as usize] {
+                changed.push((h, closed));
+                changed.push((t, closed));
+            }
+        }
+    }
+    let all = work.faces[a as usize].iter().chain(&work.faces[b as usize]).copied();
+    let (mut ours, mut theirs): (Vec<u32>, Vec<u32>) = all.partition(|&f| owner(f) == a);
+    ours.sort_unstable();
+    theirs.sort_unstable();
+    changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = closed);
+
+    let (rotation, shift) = motion;
+    let back = (rotation.transpose(), -(rotation.transpose() * shift));
+    let new = match sew(work, ours, b, motion, limits, run)? {
+        Some(ours) => sew(work, theirs, a, back, limits, run)?.map(|theirs| [ours, theirs]),
+        None => None,
+    };
+    let spent = |new: &[(Piece, Fit); 2]| -> f64 {
+        new.iter().map(|(piece, fit)| fit.energy * piece.disk.area()).sum()
+    };
+    let before = work.energy[a as usize] + work.energy[b as usize];
+    match new.filter(|new| spent(new) < before + limits.worth * deal.saved) {
+        Some(new) => {
+            for (chart, (piece, fit)) in [a, b].into_iter().zip(&new) {
+                work.take(chart, piece, fit);
+            }
+        }
+        None => changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = !closed),
+    }
+    Ok(())
+}
+
+/// Faces of two charts as one, those of chart `moved` moved to it.
+fn sew(
+    work: &Patchwork,
+    faces: Vec<u32>,
+    moved: u32,
+    motion: Motion,
+    limits: &Limits,
+    run: &Run,
+) -> Result<Option<(Piece, Fit)>, Canceled> {
+    let piece = work.mesh.cut_open(faces, &work.glued);
+    let joined = lay_out(work, &piece, moved, Some(motion));
+    let fit = refine(&piece.disk, joined, limits.bound, limits.clearance, run)?;
+    Ok(fit.map(|fit| (piece, fit)))
+}
