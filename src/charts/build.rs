@@ -15,9 +15,13 @@ use super::patchwork::Patchwork;
 use super::split::halves;
 use super::straighten::straighten;
 use super::tube::{self, Tube};
+use super::visibility::visibility;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, flatten_triangle};
 use crate::mesh::{NONE, Surface};
+
+/// Rounds of joining charts and moving their seams.
+const ROUNDS: u32 = 3;
 
 /// What the cut is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,10 +46,12 @@ pub fn build(
         }
     }
     let limits = Limits::new(surface, options.distortion_bound);
+    let visibility = visibility(surface, run)?;
+    let seen = visibility.as_deref();
     let charts: Result<Vec<Vec<Chart>>, Canceled> = faces
         .into_par_iter()
         .enumerate()
-        .map(|(part, faces)| build_part(surface, part as u32, faces, &limits, run))
+        .map(|(part, faces)| build_part(surface, seen, part as u32, faces, &limits, run))
         .collect();
     Ok(charts?.into_iter().flatten().collect())
 }
@@ -71,6 +77,7 @@ pub fn split_chart(
 
 fn build_part(
     surface: &Surface,
+    seen: Option<&[f32]>,
     part: u32,
     faces: Vec<u32>,
     limits: &Limits,
@@ -82,7 +89,7 @@ fn build_part(
     for piece in mesh.components(&all, |_| true) {
         run.cancel.check()?;
         let faces = piece.iter().map(|&f| mesh.faces[f as usize]).collect();
-        let piece = PartMesh::new(surface, faces);
+        let piece = PartMesh::new(surface, faces).seen(seen);
         let tube = tube::fit(&piece);
         let sides = tube.as_ref().map_or_else(Vec::new, |t| sides(&piece, t, limits.bound));
         charts.extend(weld(&piece, part, tube.as_ref(), &sides, limits, run)?);
@@ -164,8 +171,14 @@ fn weld(
         work.place(chart, piece, fit);
     }
     drop(fits);
-    merge(&mut work, limits, run)?;
-    straighten(&mut work, limits, run)?;
+    let mut changed: Vec<u32> = (0..work.faces.len() as u32).collect();
+    for _ in 0..ROUNDS {
+        merge(&mut work, &changed, limits, run)?;
+        changed = straighten(&mut work, limits, run)?;
+        if changed.is_empty() {
+            break;
+        }
+    }
     shorten(&mut work, limits);
     let mut charts = Vec::new();
     for (number, faces) in work.faces.iter().enumerate().filter(|(_, f)| !f.is_empty()) {

@@ -1,13 +1,17 @@
 //! What a seam costs at an edge: seams belong where parts meet, where the surface bends and, above
-//! all, in concave creases, which are hidden and where materials change (pipeline: cut cost).
+//! all, in concave creases, where materials change, and where they are hidden (pipeline: cut cost).
 
 use super::part_mesh::PartMesh;
+use crate::mesh::NONE;
 
 /// Cost of a unit of seam where the surface is flat.
 pub const FLAT: f64 = 1.0;
 
 /// Least cost of a unit of seam.
 pub const LEAST: f64 = 0.05;
+
+/// Share of its cost that a seam saves where nobody can see it.
+const HIDDEN: f64 = 0.6;
 
 /// Cost of a unit length of seam at a signed dihedral angle (radians, positive convex): 1 where
 /// flat, falling to a third at a convex crease of 90° and to a tenth at a concave one.
@@ -17,9 +21,18 @@ pub fn seam_cost(dihedral: f64) -> f64 {
     (FLAT / (1.0 + weight * bend)).max(LEAST)
 }
 
-/// Length times cost of the seam along a local half-edge.
+/// Length times cost of the seam along a local half-edge: the bend's cost, and less where it is hidden.
 pub fn edge_cost(mesh: &PartMesh, h: u32) -> f64 {
-    mesh.length(h) * seam_cost(mesh.surface.dihedral(mesh.surface_half_edge(h)))
+    let bend = seam_cost(mesh.surface.dihedral(mesh.surface_half_edge(h)));
+    mesh.length(h) * bend * (1.0 - HIDDEN * (1.0 - seen(mesh, h)))
+}
+
+/// Ambient visibility of an edge, 0 to 1: the mean of its faces'.
+fn seen(mesh: &PartMesh, h: u32) -> f64 {
+    let Some(visibility) = mesh.visibility else { return 1.0 };
+    let of = |h: u32| f64::from(visibility[mesh.faces[h as usize / 3] as usize]);
+    let twin = mesh.twin[h as usize];
+    if twin == NONE { of(h) } else { 0.5 * (of(h) + of(twin)) }
 }
 
 #[cfg(test)]

@@ -74,8 +74,14 @@ impl Queue {
     }
 }
 
-/// Close paths until none is left that may be.
-pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Canceled> {
+/// Close paths about the charts in `among` (ascending), and about what becomes of them, until none is left
+/// that may be.
+pub fn merge(
+    work: &mut Patchwork,
+    among: &[u32],
+    limits: &Limits,
+    run: &Run,
+) -> Result<(), Canceled> {
     let charts = work.faces.len();
     let mut queue = Queue {
         heap: BinaryHeap::new(),
@@ -84,11 +90,11 @@ pub fn merge(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Can
         failed: BTreeSet::new(),
         defects: candidates::angle_defects(work.mesh),
     };
-    let faces = work.mesh.len();
+    let faces: usize = among.iter().map(|&c| work.faces[c as usize].len()).sum();
     let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 8 * faces;
-    for chart in 0..charts as u32 {
+    for &chart in among {
         for candidate in candidates::around(work, chart) {
-            if candidate.b >= chart {
+            if candidate.b >= chart || among.binary_search(&candidate.b).is_err() {
                 queue.push(work, candidate);
             }
         }

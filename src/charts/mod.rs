@@ -21,6 +21,7 @@ mod patchwork;
 mod split;
 mod straighten;
 mod tube;
+mod visibility;
 
 #[cfg(test)]
 mod tests;

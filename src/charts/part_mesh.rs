@@ -15,6 +15,8 @@ pub struct PartMesh<'a> {
     pub faces: Vec<u32>,
     /// Local half-edge across, or [`NONE`] where the part ends. Length: 3 × faces.
     pub twin: Vec<u32>,
+    /// Ambient visibility of the surface's faces, where it is known.
+    pub visibility: Option<&'a [f32]>,
 }
 
 /// Faces cut open into a mesh of their own.
@@ -42,7 +44,12 @@ impl<'a> PartMesh<'a> {
                 }
             }
         }
-        Self { surface, faces, twin }
+        Self { surface, faces, twin, visibility: None }
+    }
+
+    /// The same, told how well each face of the surface is seen.
+    pub fn seen(self, visibility: Option<&'a [f32]>) -> Self {
+        Self { visibility, ..self }
     }
 
     /// Number of faces.

@@ -35,10 +35,10 @@ const WORK_PER_FACE: usize = 12;
 /// Capacity of what must not be cut, over the cost of the path.
 const UNCUT: f64 = 1e3;
 
-/// Move the seams between the charts, each pair's once.
-pub fn straighten(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<(), Canceled> {
+/// Move the seams between the charts, each pair's once. Returns the charts that have changed.
+pub fn straighten(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u32>, Canceled> {
     let mut allowance = WORK_PER_FACE * work.mesh.len();
-    let mut pairs = BTreeSet::new();
+    let (mut pairs, mut changed) = (BTreeSet::new(), BTreeSet::new());
     for a in 0..work.faces.len() as u32 {
         let found = candidates::around(work, a);
         pairs.extend(found.iter().filter(|c| c.b > a).map(|c| (a, c.b)));
@@ -56,10 +56,12 @@ pub fn straighten(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<()
             && let Some(deal) = deal_anew(work, [a, b], &path)
         {
             allowance -= size;
-            keep_if_better(work, [a, b], &path, &deal, motion, limits, run)?;
+            if keep_if_better(work, [a, b], &path, &deal, motion, limits, run)? {
+                changed.extend([a, b]);
+            }
         }
     }
-    Ok(())
+    Ok(changed.into_iter().collect())
 }
 
 /// Which faces of the collar go to which of two charts.
@@ -166,7 +168,8 @@ fn cut(
     Some(Deal { faces, saved: (1.0 - now) * cost })
 }
 
-/// Deal the faces out, sew each chart's new ones on, and keep that if the objective falls.
+/// Deal the faces out, sew each chart's new ones on, and keep that if the objective falls: tells whether
+/// it did.
 fn keep_if_better(
     work: &mut Patchwork,
     [a, b]: [u32; 2],
@@ -175,7 +178,7 @@ fn keep_if_better(
     motion: Motion,
     limits: &Limits,
     run: &Run,
-) -> Result<(), Canceled> {
+) -> Result<bool, Canceled> {
     let seam: BTreeSet<u32> = path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
     let owner = |f: u32| deal.faces.get(&f).copied().unwrap_or(work.chart_of[f as usize]);
     let mut changed = Vec::new();
@@ -209,10 +212,13 @@ fn keep_if_better(
             for (chart, (piece, fit)) in [a, b].into_iter().zip(&new) {
                 work.take(chart, piece, fit);
             }
+            Ok(true)
         }
-        None => changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = !closed),
+        None => {
+            changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = !closed);
+            Ok(false)
+        }
     }
-    Ok(())
 }
 
 /// Faces of two charts as one, those of chart `moved` moved to it.
