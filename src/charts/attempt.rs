@@ -8,7 +8,7 @@ use glam::{DMat2, DVec2};
 use super::candidates::Candidate;
 use super::collision::collide;
 use super::extent::{self, Extent};
-use super::fit::{Joined, refine};
+use super::fit::{Fit, Joined, refine};
 use super::limits::Limits;
 use super::part_mesh::Piece;
 use super::patchwork::{Patchwork, next};
@@ -33,20 +33,29 @@ const DEPTH_MISFIT: f64 = 3.0;
 pub type Motion = (DMat2, DVec2);
 
 /// A union that is worth a solve.
-pub struct Attempt<'c> {
-    candidate: &'c Candidate,
+pub struct Attempt {
+    /// The path.
+    pub candidate: Candidate,
     /// What lays the other chart next to this one; none for a zip.
     motion: Option<Motion>,
     /// Energy (times area) that the union may have.
     allowed: f64,
 }
 
-impl<'c> Attempt<'c> {
+/// What came of an attempt that succeeded.
+pub struct Union {
+    /// Half-edges that are closed.
+    path: Vec<u32>,
+    piece: Piece,
+    fit: Fit,
+}
+
+impl Attempt {
     /// `None` where it is plain without a solve that the path cannot be closed. `seam` is the path's
     /// length times cost.
     pub fn prepare(
         work: &Patchwork,
-        candidate: &'c Candidate,
+        candidate: &Candidate,
         seam: f64,
         limits: &Limits,
     ) -> Option<Self> {
@@ -56,6 +65,7 @@ impl<'c> Attempt<'c> {
             let close = candidate.zip || gap(work, &candidate.path) <= MISMATCH;
             let allowed = work.energy[a] + limits.worth * seam;
             let allowed = allowed.min(limits.bound * work.area[a]);
+            let candidate = candidate.clone();
             return close.then_some(Self { candidate, motion: None, allowed });
         }
         let (motion, misfit) = rigid_motion(work, &candidate.path)?;
@@ -75,34 +85,53 @@ impl<'c> Attempt<'c> {
         let shorter = work.extent[a].length.min(work.extent[b].length);
         let depth = DEPTH * shorter + DEPTH_MISFIT * misfit.sqrt();
         let apart = !collide(&near, &far, depth);
+        let candidate = candidate.clone();
         apart.then_some(Self { candidate, motion: Some(motion), allowed })
     }
 
-    /// Try to close the path. On success the union is chart `a`.
-    pub fn close(self, work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<bool, Canceled> {
+    /// Faces that the solve takes on.
+    pub fn size(&self, work: &Patchwork) -> usize {
+        let (a, b) = (self.candidate.a as usize, self.candidate.b as usize);
+        let other = if a == b { 0 } else { work.faces[b].len() };
+        work.faces[a].len() + other
+    }
+
+    /// Try to close the path.
+    pub fn solve(
+        &self,
+        work: &Patchwork,
+        limits: &Limits,
+        run: &Run,
+    ) -> Result<Option<Union>, Canceled> {
         let (a, b) = (self.candidate.a, self.candidate.b);
         let mut path = self.candidate.path.clone();
         if let Some(motion) = self.motion {
-            path.extend(touching(work, self.candidate, motion, limits.clearance));
+            path.extend(touching(work, &self.candidate, motion, limits.clearance));
         }
-        work.set_glued(&path, true);
+        let twin = |&h: &u32| work.mesh.twin[h as usize];
+        let closed: BTreeSet<u32> = path.iter().map(|h| twin(h).min(*h)).collect();
         let mut faces = work.faces[a as usize].clone();
         if a != b {
             faces.extend_from_slice(&work.faces[b as usize]);
             faces.sort_unstable();
         }
-        let piece = work.mesh.cut_open(faces, &work.glued);
+        let glued = |h: u32| work.glued[h as usize] || closed.contains(&h);
+        let piece = work.mesh.cut_open_where(faces, glued);
         let joined = lay_out(work, &piece, b, self.motion);
         let allowed = self.allowed / piece.disk.area();
-        let Some(fit) = refine(&piece.disk, joined, allowed, limits.clearance, run)? else {
-            work.set_glued(&path, false);
-            return Ok(false);
-        };
-        if a != b {
-            work.absorb(a, b);
+        let fit = refine(&piece.disk, joined, allowed, limits.clearance, run)?;
+        Ok(fit.map(|fit| Union { path, piece, fit }))
+    }
+}
+
+impl Union {
+    /// The union becomes chart `a` of the candidate.
+    pub fn commit(self, work: &mut Patchwork, candidate: &Candidate) {
+        work.set_glued(&self.path, true);
+        if candidate.a != candidate.b {
+            work.absorb(candidate.a, candidate.b);
         }
-        work.place(a, &piece, &fit);
-        Ok(true)
+        work.place(candidate.a, &self.piece, &self.fit);
     }
 }
 

@@ -8,10 +8,10 @@ use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 
 /// Descent steps that a trial may take: a union that is far off after these is refused.
-const STEPS: u32 = 8;
+const STEPS: u32 = 6;
 
 /// Times the last decrease that a trial is still hoped to descend.
-const HOPELESS: f64 = 4.0;
+const HOPELESS: f64 = 2.0;
 
 /// A map that fits.
 #[derive(Debug, Clone)]
@@ -58,6 +58,9 @@ pub fn refine(
     }
     if least.is_infinite() {
         return from_scratch(disk, bound, clearance, run);
+    }
+    if !flatten::has_simple_boundary(&Border::of(disk), &warm) {
+        return Ok(None);
     }
     descend(disk, (warm, StartKind::Weld), bound, clearance, run)
 }

@@ -11,6 +11,8 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
+use rayon::prelude::*;
+
 use super::attempt::Attempt;
 use super::candidates::{self, Candidate};
 use super::limits::Limits;
@@ -18,10 +20,16 @@ use super::patchwork::Patchwork;
 use crate::contract::{Canceled, Run};
 
 /// Faces that all attempts together may flatten, per face of the part …
-const WORK_PER_FACE: usize = 48;
+const WORK_PER_FACE: usize = 24;
 
 /// … up to so many faces; beyond, an eighth of that.
 const WORK_FACES: usize = 20_000;
+
+/// Attempts that are solved at the same time.
+const BATCH: usize = 4;
+
+/// Candidates put off, for having a chart in common with a batch, before the batch is solved as it is.
+const AHEAD: usize = 16;
 
 /// Candidates; those that save most seam for the faces that must be flattened come first, so that small
 /// charts are joined before large ones and the work is not spent on a few.
@@ -58,6 +66,36 @@ impl Queue {
             .push(((seam / (size as f64).sqrt()).to_bits(), Reverse(self.waiting.len() as u32)));
         let versions = self.versions(&candidate);
         self.waiting.push(Some((candidate, versions)));
+    }
+
+    /// A seam that cannot be closed is tried again in its halves.
+    fn fail(&mut self, work: &Patchwork, candidate: Candidate) {
+        self.failed.insert(candidate.key(work));
+        self.push(work, candidate);
+    }
+
+    /// The next attempts that are worth a solve, no two of them with a chart in common, so that they can
+    /// be solved at the same time; what they take is taken off the allowance.
+    fn batch(&mut self, work: &Patchwork, limits: &Limits, allowance: &mut usize) -> Vec<Attempt> {
+        let (mut batch, mut busy, mut later) = (Vec::new(), BTreeSet::new(), Vec::new());
+        while batch.len() < BATCH && later.len() < AHEAD {
+            let Some((candidate, seam)) = self.pop(work) else { break };
+            if busy.contains(&candidate.a) || busy.contains(&candidate.b) {
+                later.push(candidate);
+                continue;
+            }
+            let Some(attempt) = Attempt::prepare(work, &candidate, seam, limits) else {
+                self.fail(work, candidate);
+                continue;
+            };
+            if let Some(left) = allowance.checked_sub(attempt.size(work)) {
+                *allowance = left;
+                busy.extend([candidate.a, candidate.b]);
+                batch.push(attempt);
+            }
+        }
+        later.into_iter().for_each(|candidate| self.push(work, candidate));
+        batch
     }
 
     /// The next seam between charts that have not changed since, and its cost.
@@ -99,31 +137,27 @@ pub fn merge(
             }
         }
     }
-    while let Some((candidate, seam)) = queue.pop(work) {
+    loop {
         run.cancel.check()?;
-        let (a, b) = (candidate.a, candidate.b);
-        let closed = match Attempt::prepare(work, &candidate, seam, limits) {
-            None => false,
-            Some(attempt) => {
-                let size = work.faces[a as usize].len() + work.faces[b as usize].len();
-                if size > allowance {
-                    continue;
-                }
-                allowance -= size;
-                attempt.close(work, limits, run)?
+        let batch = queue.batch(work, limits, &mut allowance);
+        if batch.is_empty() {
+            break;
+        }
+        let solved: Result<Vec<_>, Canceled> =
+            batch.par_iter().map(|attempt| attempt.solve(work, limits, run)).collect();
+        for (Attempt { candidate, .. }, union) in batch.into_iter().zip(solved?) {
+            let Some(union) = union else {
+                queue.fail(work, candidate);
+                continue;
+            };
+            union.commit(work, &candidate);
+            queue.version[candidate.a as usize] += 1;
+            if candidate.a != candidate.b {
+                queue.version[candidate.b as usize] += 1;
             }
-        };
-        if !closed {
-            queue.failed.insert(candidate.key(work));
-            queue.push(work, candidate);
-            continue;
-        }
-        queue.version[a as usize] += 1;
-        if a != b {
-            queue.version[b as usize] += 1;
-        }
-        for candidate in candidates::around(work, a) {
-            queue.push(work, candidate);
+            for candidate in candidates::around(work, candidate.a) {
+                queue.push(work, candidate);
+            }
         }
     }
     Ok(())

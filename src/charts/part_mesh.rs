@@ -111,12 +111,18 @@ impl<'a> PartMesh<'a> {
     /// Cut some local faces (ascending) open into a mesh: two corners are one vertex where a chain
     /// of `glued` edges connects them.
     pub fn cut_open(&self, faces: Vec<u32>, glued: &[bool]) -> Piece {
+        self.cut_open_where(faces, |h| glued[h as usize])
+    }
+
+    /// Like [`cut_open`](Self::cut_open), asking of each half-edge that is lower than its twin whether it
+    /// is glued.
+    pub fn cut_open_where(&self, faces: Vec<u32>, glued: impl Fn(u32) -> bool) -> Piece {
         let mut sets = DisjointSets::new(3 * faces.len());
         for (i, &f) in faces.iter().enumerate() {
             for k in 0..3u32 {
                 let h = 3 * f + k;
                 let t = self.twin[h as usize];
-                if t == NONE || t < h || !glued[h as usize] {
+                if t == NONE || t < h || !glued(h) {
                     continue;
                 }
                 let Ok(j) = faces.binary_search(&(t / 3)) else { continue };
