@@ -1,14 +1,14 @@
-//! Packing by the crate `uvunwrap`, which places given islands by shape at one texel density. Each
-//! chart is one flat mesh, so that the packer cannot join or cut charts; of its answer only page,
-//! rotation, translation and density are taken, and applied to the chart in double precision. An
-//! answer that is no such similarity (the packer unwraps anew what it finds unfit) is not believed:
-//! that chart is packed again as a rectangle.
+//! Packing: every chart on a page, at one texel density (times its weight), turned and moved but
+//! neither mirrored nor bent.
 
 use glam::DVec2;
-use uvunwrap::{Density, MeshInput, Options, Packing};
 
+use super::arrangement::free_turns;
+use super::mask::Outline;
+use super::page::CELLS;
 use super::placement::Placement;
-use super::shape::Shape;
+use super::quantise::{GRID, REACH};
+use super::search::{Piece, Sheet, Spot, search};
 use crate::contract::{Cancel, Canceled};
 use crate::flatten::{Disk, UvMap};
 
@@ -40,12 +40,6 @@ pub enum PackError {
     /// A chart whose map is not finite or has no extent.
     #[error("chart {0} has no extent or a coordinate that is not finite")]
     Degenerate(usize),
-    /// A chart for which the packer's answer is no similarity of what it was given.
-    #[error("the packer changed the shape of chart {0}")]
-    Changed(usize),
-    /// The packer gave up.
-    #[error("the packer gave up: {0}")]
-    Packer(uvunwrap::Error),
     /// Asked to stop.
     #[error(transparent)]
     Canceled(#[from] Canceled),
@@ -64,14 +58,11 @@ pub struct Atlas {
     pub uvs: Vec<UvMap>,
 }
 
-/// Charts beyond which rows are folded rather than shapes nested, which takes tens of times longer.
-const NESTED: usize = 1500;
+/// Where the pages asked for cannot hold the charts at any density, more are used, up to this many.
+const MOST_PAGES: u32 = 256;
 
-/// Larger pages are packed at this many texels across: beyond it, finer texels nest no better.
-const FINEST: u32 = 2048;
-
-/// How far (packer's texels) a corner of the packer's answer may be from the similarity.
-const TOLERANCE: f64 = 0.02;
+/// Such pages are packed more coarsely, as there may be many of them.
+const COARSE: u32 = CELLS / 4;
 
 /// Pack charts, each a disk and its map in world units, at one texel density (times its weight).
 /// Several pages are used only where one cannot hold all charts at any density.
@@ -85,40 +76,46 @@ pub fn pack(
     if charts.is_empty() {
         return Ok(Atlas { pages: 0, page_size, placements: Vec::new(), uvs: Vec::new() });
     }
-    let extent = |(i, (_, uv)): (usize, &(&Disk, &UvMap))| {
+    let piece = |(i, ((disk, uv), &weight)): (usize, (&(&Disk, &UvMap), &f64))| {
         let low = uv.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = uv.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let extent = (high - low).max_element();
-        if extent.is_finite() && extent > 0.0 { Ok(extent) } else { Err(PackError::Degenerate(i)) }
-    };
-    let extents = charts.iter().enumerate().map(extent).collect::<Result<Vec<_>, _>>()?;
-    // The largest chart is about 1 across, whatever the object's size.
-    let unit = extents.iter().copied().fold(0.0, f64::max);
-
-    let mut shapes = Vec::with_capacity(charts.len());
-    for (i, (disk, uv)) in charts.iter().enumerate() {
-        let shape = Shape::of_triangles(disk, uv, unit).or_else(|| Shape::of_rectangle(uv, unit));
-        shapes.push(shape.ok_or(PackError::Degenerate(i))?);
-    }
-    let mut answer = run(&shapes, &weights, options, cancel)?;
-    let changed: Vec<usize> =
-        (0..charts.len()).filter(|&i| answer.placements[i].is_none()).collect();
-    if !changed.is_empty() {
-        for &i in &changed {
-            shapes[i] = Shape::of_rectangle(charts[i].1, unit).ok_or(PackError::Degenerate(i))?;
+        if !(extent.is_finite() && extent > 0.0) {
+            return Err(PackError::Degenerate(i));
         }
-        answer = run(&shapes, &weights, options, cancel)?;
-    }
-    let mut placements = Vec::with_capacity(charts.len());
-    for (i, placement) in answer.placements.iter().enumerate() {
-        placements.push(placement.ok_or(PackError::Changed(i))?);
-    }
+        Ok(Piece::new(Outline::of(disk, uv), weight, free_turns(uv)))
+    };
+    let pieces = charts.iter().zip(&weights).enumerate().map(piece);
+    let pieces = pieces.collect::<Result<Vec<_>, _>>()?;
+    let (mut pages, mut side) = (1, CELLS);
+    let layout = loop {
+        // Half of the gutter, and room for the repair of needles.
+        let half = 0.5 * f64::from(options.padding) / f64::from(page_size) + REACH * GRID;
+        let sheet = Sheet { pages, side, grow: half * f64::from(side), quarters: 4 };
+        if let Some(layout) = search(&pieces, &sheet, cancel)? {
+            break layout;
+        }
+        (pages, side) = (2 * pages, COARSE);
+        if pages > MOST_PAGES {
+            let padding = options.padding;
+            return Err(PackError::PaddingTooLarge { padding, page_size });
+        }
+    };
+    let cell = 1.0 / f64::from(side);
+    let place = |(spot, weight): (&Spot, &f64)| Placement {
+        page: spot.page,
+        scale: layout.density * weight * cell,
+        rotation: spot.turn,
+        offset: spot.origin * cell,
+    };
+    let placements: Vec<Placement> = layout.spots.iter().zip(&weights).map(place).collect();
     let on_page = |(placement, (_, uv)): (&Placement, &(&Disk, &UvMap))| {
-        // Rounding may carry a corner across the page's edge by an ulp.
+        // Vertices that are in no triangle may lie anywhere.
         uv.iter().map(|&p| placement.apply(p).clamp(DVec2::ZERO, DVec2::ONE)).collect()
     };
     let uvs = placements.iter().zip(charts).map(on_page).collect();
-    Ok(Atlas { pages: answer.pages, page_size, placements, uvs })
+    let pages = placements.iter().map(|p| p.page + 1).max().unwrap_or(0);
+    Ok(Atlas { pages, page_size, placements, uvs })
 }
 
 fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> {
@@ -128,88 +125,6 @@ fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> 
         n if n == charts && options.weights.iter().all(sound) => Ok(options.weights.clone()),
         _ => Err(PackError::Weights),
     }
-}
-
-/// What the packer said, a chart's placement left out where it is no similarity.
-struct Answer {
-    pages: u32,
-    placements: Vec<Option<Placement>>,
-}
-
-fn run(
-    shapes: &[Shape],
-    weights: &[f64],
-    options: &PackOptions,
-    cancel: &Cancel,
-) -> Result<Answer, PackError> {
-    let too_large =
-        PackError::PaddingTooLarge { padding: options.padding, page_size: options.page_size };
-    // A little fewer texels than there are: the packer keeps twice its padding, exactly, and neither
-    // rounding nor the repair of needles may make that less than what was asked for.
-    let finest = options.page_size.min(FINEST);
-    let spare = if options.padding > 0 { finest.div_ceil(512) } else { 0 };
-    let resolution = finest - spare;
-    let texels = f64::from(resolution);
-    let finer = f64::from(options.page_size) / f64::from(finest);
-    let padding = (0.5 * f64::from(options.padding) / finer).ceil() as u32;
-    if resolution <= 2 * padding {
-        return Err(too_large);
-    }
-    let inputs: Vec<MeshInput> = shapes
-        .iter()
-        .zip(weights)
-        .map(|(shape, &weight)| MeshInput {
-            scale: weight as f32,
-            existing_uvs: Some(&shape.uvs),
-            ..MeshInput::new(&shape.positions, &shape.indices)
-        })
-        .collect();
-    let packing = if shapes.len() > NESTED { Packing::Fast } else { Packing::Shape };
-    let how = Options {
-        density: Density::Auto { page_size: resolution },
-        padding,
-        packing,
-        ..Default::default()
-    };
-    let go_on = |_| !cancel.is_canceled();
-    let atlas = uvunwrap::generate_with_progress(&inputs, &how, go_on).map_err(|e| match e {
-        uvunwrap::Error::Cancelled => PackError::Canceled(Canceled),
-        uvunwrap::Error::ChartTooLarge { .. } => too_large,
-        other => PackError::Packer(other),
-    })?;
-    // The packer crops the page and divides by what is left: back to the square page.
-    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height)) / texels;
-    let density = f64::from(atlas.texels_per_unit) / texels;
-    let placement = |((shape, mesh), &weight): ((&Shape, &uvunwrap::OutputMesh), &f64)| {
-        read(shape, mesh, size, density * f64::from(weight as f32), TOLERANCE / texels)
-    };
-    let placements = shapes.iter().zip(&atlas.meshes).zip(weights).map(placement).collect();
-    Ok(Answer { pages: atlas.page_count, placements })
-}
-
-/// The similarity behind the packer's answer for one chart, from the chart's own coordinates;
-/// `None` when it is none.
-fn read(
-    shape: &Shape,
-    mesh: &uvunwrap::OutputMesh,
-    size: DVec2,
-    scale: f64,
-    tolerance: f64,
-) -> Option<Placement> {
-    let (chart, page) = mesh.vertices.first().map(|v| (v.chart, v.page))?;
-    if mesh.vertices.iter().any(|v| v.chart != chart || v.page != page) {
-        return None;
-    }
-    let from: Vec<DVec2> = mesh.vertices.iter().map(|v| shape.point(v.xref)).collect();
-    let to: Vec<DVec2> =
-        mesh.vertices.iter().map(|v| DVec2::from(v.uv.map(f64::from)) * size).collect();
-    let (fit, error) = Placement::fit(page?, scale, &from, &to)?;
-    if error > tolerance {
-        return None;
-    }
-    let scale = fit.scale / shape.unit();
-    let offset = fit.offset - fit.rotation.rotate(shape.low()) * scale;
-    Some(Placement { scale, offset, ..fit })
 }
 
 #[cfg(test)]
@@ -289,6 +204,15 @@ mod tests {
     }
 
     #[test]
+    fn equal_squares_fill_the_page_but_for_their_gutters() {
+        // Nine squares of a side of (256 − 3·4) / 3 texels are the optimum.
+        let squares: Vec<_> = (0..9).map(|_| samples::plane(1, 1, 1.0, 1.0)).collect();
+        let (_, efficiency) = check(&squares, &options(256, 4));
+        let best = (244.0_f64 / 256.0).powi(2);
+        assert!(efficiency > 0.97 * best && efficiency < 1.01 * best, "{efficiency}");
+    }
+
+    #[test]
     fn weights_scale_the_density() {
         let charts = rectangles(3, 2);
         let weighted = PackOptions { weights: vec![1.0, 2.0, 0.5], ..options(256, 2) };
@@ -326,7 +250,11 @@ mod tests {
     #[test]
     fn the_same_charts_give_the_same_atlas() {
         let charts = rectangles(40, 4);
-        assert_eq!(check(&charts, &options(512, 2)).0, check(&charts, &options(512, 2)).0);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| check(&charts, &options(512, 2)).0)
+        };
+        assert_eq!(on(1), on(5));
     }
 
     #[test]

@@ -24,6 +24,9 @@ const NEAR: i64 = 3;
 const RINGS: [f64; 6] = [4.5, 6.0, 9.0, 12.0, 17.0, 24.0];
 const DIRECTIONS: u32 = 24;
 
+/// No corner ends up further than this from where it was, lattice steps, rounding included.
+pub(super) const REACH: f64 = 26.0;
+
 /// A face that falls short by more than the way all its corners could make up is beyond repair.
 const BEYOND: f64 = 96.0;
 
