@@ -17,5 +17,5 @@ pub use certificate::{AtlasCertificates, Demands, Placed, certify_atlas};
 pub use gutter::gutters;
 pub use pack::{Atlas, PackError, PackOptions, pack};
 pub use placement::Placement;
-pub use quantise::{GRID, Quantised, quantise};
+pub use quantise::{Grid, Quantised, quantise};
 pub use raster::{Coverage, rasterise};

@@ -17,7 +17,7 @@ use crate::contract::{Cancel, Canceled};
 use crate::device::Seeded;
 
 /// Rows looked at after which nothing further is begun: about a second of one core.
-const WORK: u64 = 14_000_000;
+const WORK: u64 = 24_000_000;
 
 /// Arrangements tried at once.
 const BATCH: u64 = 8;
@@ -27,6 +27,12 @@ const STEPS: [f64; 2] = [0.02, 0.002];
 
 /// Batches without gain after which the step is halved.
 const PATIENCE: u32 = 6;
+
+/// Batches without gain at the smallest step after which the search ends.
+const END: u32 = 60;
+
+/// What it costs to draw a row of a mask, or to take it on a page, in rows looked at.
+const DRAWN: u64 = 8;
 
 /// Charts beyond the largest so many are placed as their boxes: their shapes would gain little.
 const SHAPES: usize = 256;
@@ -188,7 +194,7 @@ impl Search<'_> {
     fn climb(&mut self, mut from: Arrangement, mut best: Layout) -> Result<Layout, Canceled> {
         let (mut step, mut left, mut idle, mut batch) = (STEPS[0], f64::INFINITY, 0, 0);
         let mut scaled = self.scaled(best.density * (1.0 + step));
-        while self.work < WORK {
+        while self.work < WORK && idle < END {
             // At a new density the arrangement itself is tried too.
             let unchanged = left.is_infinite();
             let next = |k| match k {
@@ -243,8 +249,12 @@ impl Search<'_> {
             self.cancel.check()?;
             let (piece, turn) = (&self.pieces[i as usize], usize::from(a.turn[i as usize]));
             let solid = self.rank[i as usize] >= SHAPES;
-            let masks = scaled.masks[i as usize][turn]
-                .get_or_init(|| self.masks(piece, piece.turns[turn], scaled.density, solid));
+            let masks = scaled.masks[i as usize][turn].get_or_init(|| {
+                let masks = self.masks(piece, piece.turns[turn], scaled.density, solid);
+                // Which of a batch's trials this falls to is chance; their sum is not.
+                trial.work += masks.iter().map(|m| DRAWN * u64::from(m.height)).sum::<u64>();
+                masks
+            });
             let mut placed = false;
             for at in 0..self.sheet.pages as usize {
                 if at == pages.len() {
@@ -267,6 +277,7 @@ impl Search<'_> {
                         above.insert((at, mask.width, mask.height), y);
                     }
                     pages[at].insert(mask, x, y);
+                    trial.work += DRAWN * u64::from(mask.height);
                     trial.spots[i as usize] = Spot {
                         page: at as u32,
                         turn: quarter(q).rotate(piece.turns[turn]),

@@ -8,6 +8,7 @@ mod layout;
 mod lines;
 mod occlusion;
 mod outline;
+mod pages;
 mod palette;
 mod picture;
 mod raster;
