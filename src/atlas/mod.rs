@@ -2,17 +2,20 @@
 //! without losing a triangle, and the proof that nothing overlaps: by raster, by exact predicates,
 //! and by the gutter between charts.
 
+mod arrangement;
 mod certificate;
 mod gutter;
+mod mask;
 mod pack;
+mod page;
 mod placement;
 mod quantise;
 mod raster;
-mod shape;
+mod search;
 
 pub use certificate::{AtlasCertificates, Demands, Placed, certify_atlas};
 pub use gutter::gutters;
 pub use pack::{Atlas, PackError, PackOptions, pack};
 pub use placement::Placement;
-pub use quantise::{GRID, Quantised, quantise};
+pub use quantise::{Grid, Quantised, quantise};
 pub use raster::{Coverage, rasterise};

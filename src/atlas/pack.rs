@@ -1,15 +1,15 @@
-//! Packing by the crate `uvunwrap`, which places given islands by shape at one texel density. Each
-//! chart is one flat mesh, so that the packer cannot join or cut charts; of its answer only page,
-//! rotation, translation and density are taken, and applied to the chart in double precision. An
-//! answer that is no such similarity (the packer unwraps anew what it finds unfit) is not believed:
-//! that chart is packed again as a rectangle.
+//! Packing: every chart on a page, at one texel density (times its weight), turned and moved but
+//! neither mirrored nor bent.
 
 use glam::DVec2;
-use uvunwrap::{Density, MeshInput, Options, Packing};
 
+use super::arrangement::free_turns;
+use super::mask::Outline;
+use super::page::CELLS;
 use super::placement::Placement;
-use super::shape::Shape;
-use crate::contract::{Cancel, Canceled};
+use super::quantise::{Grid, REACH};
+use super::search::{Piece, Sheet, Spot, search};
+use crate::contract::{Cancel, Canceled, Rotation};
 use crate::flatten::{Disk, UvMap};
 
 /// How to pack.
@@ -19,6 +19,14 @@ pub struct PackOptions {
     pub page_size: u32,
     /// Least gutter between two charts, texels.
     pub padding: u32,
+    /// How charts may be turned.
+    pub rotation: Rotation,
+    /// Whether no block of 4 × 4 texels may be touched by two charts.
+    pub block_align: bool,
+    /// Most pages; more are used only where the charts fit on so many at no density.
+    pub pages: u32,
+    /// The lattice that coordinates are put on afterwards.
+    pub grid: Grid,
     /// Texel density of each chart relative to the others; empty: all alike.
     pub weights: Vec<f64>,
 }
@@ -34,18 +42,15 @@ pub enum PackError {
         /// Texels across the page.
         page_size: u32,
     },
+    /// The page is not made of whole blocks.
+    #[error("a page of {0} texels is not made of whole blocks of 4 x 4: take a multiple of 4")]
+    Blocks(u32),
     /// Not one weight a chart, or one that is not positive.
     #[error("weights must be positive and one for each chart, or none at all")]
     Weights,
     /// A chart whose map is not finite or has no extent.
     #[error("chart {0} has no extent or a coordinate that is not finite")]
     Degenerate(usize),
-    /// A chart for which the packer's answer is no similarity of what it was given.
-    #[error("the packer changed the shape of chart {0}")]
-    Changed(usize),
-    /// The packer gave up.
-    #[error("the packer gave up: {0}")]
-    Packer(uvunwrap::Error),
     /// Asked to stop.
     #[error(transparent)]
     Canceled(#[from] Canceled),
@@ -64,17 +69,17 @@ pub struct Atlas {
     pub uvs: Vec<UvMap>,
 }
 
-/// Charts beyond which rows are folded rather than shapes nested, which takes tens of times longer.
-const NESTED: usize = 1500;
+/// Where the pages asked for cannot hold the charts at any density, more are used, up to this many.
+const MOST_PAGES: u32 = 256;
 
-/// Larger pages are packed at this many texels across: beyond it, finer texels nest no better.
-const FINEST: u32 = 2048;
+/// Such pages are packed more coarsely, as there may be many of them.
+const COARSE: u32 = CELLS / 4;
 
-/// How far (packer's texels) a corner of the packer's answer may be from the similarity.
-const TOLERANCE: f64 = 0.02;
+/// Texels across a block.
+const BLOCK: u32 = 4;
 
-/// Pack charts, each a disk and its map in world units, at one texel density (times its weight).
-/// Several pages are used only where one cannot hold all charts at any density.
+/// Pack charts, each a disk and its map in world units, at one texel density (times its weight),
+/// the highest that is found.
 pub fn pack(
     charts: &[(&Disk, &UvMap)],
     options: &PackOptions,
@@ -85,40 +90,65 @@ pub fn pack(
     if charts.is_empty() {
         return Ok(Atlas { pages: 0, page_size, placements: Vec::new(), uvs: Vec::new() });
     }
-    let extent = |(i, (_, uv)): (usize, &(&Disk, &UvMap))| {
+    if options.block_align && !page_size.is_multiple_of(BLOCK) {
+        return Err(PackError::Blocks(page_size));
+    }
+    let turns = |uv: &[DVec2]| match options.rotation {
+        Rotation::Free => free_turns(uv),
+        Rotation::Quarter | Rotation::None => vec![DVec2::X],
+    };
+    let quarters = if options.rotation == Rotation::None { 1 } else { 4 };
+    let piece = |(i, ((disk, uv), &weight)): (usize, (&(&Disk, &UvMap), &f64))| {
         let low = uv.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = uv.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let extent = (high - low).max_element();
-        if extent.is_finite() && extent > 0.0 { Ok(extent) } else { Err(PackError::Degenerate(i)) }
-    };
-    let extents = charts.iter().enumerate().map(extent).collect::<Result<Vec<_>, _>>()?;
-    // The largest chart is about 1 across, whatever the object's size.
-    let unit = extents.iter().copied().fold(0.0, f64::max);
-
-    let mut shapes = Vec::with_capacity(charts.len());
-    for (i, (disk, uv)) in charts.iter().enumerate() {
-        let shape = Shape::of_triangles(disk, uv, unit).or_else(|| Shape::of_rectangle(uv, unit));
-        shapes.push(shape.ok_or(PackError::Degenerate(i))?);
-    }
-    let mut answer = run(&shapes, &weights, options, cancel)?;
-    let changed: Vec<usize> =
-        (0..charts.len()).filter(|&i| answer.placements[i].is_none()).collect();
-    if !changed.is_empty() {
-        for &i in &changed {
-            shapes[i] = Shape::of_rectangle(charts[i].1, unit).ok_or(PackError::Degenerate(i))?;
+        if !(extent.is_finite() && extent > 0.0) {
+            return Err(PackError::Degenerate(i));
         }
-        answer = run(&shapes, &weights, options, cancel)?;
-    }
-    let mut placements = Vec::with_capacity(charts.len());
-    for (i, placement) in answer.placements.iter().enumerate() {
-        placements.push(placement.ok_or(PackError::Changed(i))?);
-    }
+        Ok(Piece::new(Outline::of(disk, uv), weight, turns(uv)))
+    };
+    let pieces = charts.iter().zip(&weights).enumerate().map(piece);
+    let pieces = pieces.collect::<Result<Vec<_>, _>>()?;
+    let (mut pages, mut finest) = (options.pages.max(1), CELLS);
+    let (layout, cell) = loop {
+        // Half of the gutter, and room for the repair of needles.
+        let half =
+            0.5 * f64::from(options.padding) / f64::from(page_size) + REACH * options.grid.step();
+        let (side, cell) = cells(options, finest);
+        let sheet = Sheet { pages, side, grow: half / cell, quarters };
+        if let Some(layout) = search(&pieces, &sheet, cancel)? {
+            break (layout, cell);
+        }
+        (pages, finest) = (2 * pages, COARSE);
+        if pages > MOST_PAGES {
+            let padding = options.padding;
+            return Err(PackError::PaddingTooLarge { padding, page_size });
+        }
+    };
+    let place = |(spot, weight): (&Spot, &f64)| Placement {
+        page: spot.page,
+        scale: layout.density * weight * cell,
+        rotation: spot.turn,
+        offset: spot.origin * cell,
+    };
+    let placements: Vec<Placement> = layout.spots.iter().zip(&weights).map(place).collect();
     let on_page = |(placement, (_, uv)): (&Placement, &(&Disk, &UvMap))| {
-        // Rounding may carry a corner across the page's edge by an ulp.
+        // Vertices that are in no triangle may lie anywhere.
         uv.iter().map(|&p| placement.apply(p).clamp(DVec2::ZERO, DVec2::ONE)).collect()
     };
     let uvs = placements.iter().zip(charts).map(on_page).collect();
-    Ok(Atlas { pages: answer.pages, page_size, placements, uvs })
+    let pages = placements.iter().map(|p| p.page + 1).max().unwrap_or(0);
+    Ok(Atlas { pages, page_size, placements, uvs })
+}
+
+/// Cells across the page, at most `finest`, and the width of one, page widths. Under block alignment
+/// a cell is a number of whole blocks, so that charts that share no cell share no block.
+fn cells(options: &PackOptions, finest: u32) -> (u32, f64) {
+    if !options.block_align {
+        return (finest, 1.0 / f64::from(finest));
+    }
+    let texels = BLOCK * options.page_size.div_ceil(BLOCK * finest);
+    (options.page_size / texels, f64::from(texels) / f64::from(options.page_size))
 }
 
 fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> {
@@ -130,88 +160,6 @@ fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> 
     }
 }
 
-/// What the packer said, a chart's placement left out where it is no similarity.
-struct Answer {
-    pages: u32,
-    placements: Vec<Option<Placement>>,
-}
-
-fn run(
-    shapes: &[Shape],
-    weights: &[f64],
-    options: &PackOptions,
-    cancel: &Cancel,
-) -> Result<Answer, PackError> {
-    let too_large =
-        PackError::PaddingTooLarge { padding: options.padding, page_size: options.page_size };
-    // A little fewer texels than there are: the packer keeps twice its padding, exactly, and neither
-    // rounding nor the repair of needles may make that less than what was asked for.
-    let finest = options.page_size.min(FINEST);
-    let spare = if options.padding > 0 { finest.div_ceil(512) } else { 0 };
-    let resolution = finest - spare;
-    let texels = f64::from(resolution);
-    let finer = f64::from(options.page_size) / f64::from(finest);
-    let padding = (0.5 * f64::from(options.padding) / finer).ceil() as u32;
-    if resolution <= 2 * padding {
-        return Err(too_large);
-    }
-    let inputs: Vec<MeshInput> = shapes
-        .iter()
-        .zip(weights)
-        .map(|(shape, &weight)| MeshInput {
-            scale: weight as f32,
-            existing_uvs: Some(&shape.uvs),
-            ..MeshInput::new(&shape.positions, &shape.indices)
-        })
-        .collect();
-    let packing = if shapes.len() > NESTED { Packing::Fast } else { Packing::Shape };
-    let how = Options {
-        density: Density::Auto { page_size: resolution },
-        padding,
-        packing,
-        ..Default::default()
-    };
-    let go_on = |_| !cancel.is_canceled();
-    let atlas = uvunwrap::generate_with_progress(&inputs, &how, go_on).map_err(|e| match e {
-        uvunwrap::Error::Cancelled => PackError::Canceled(Canceled),
-        uvunwrap::Error::ChartTooLarge { .. } => too_large,
-        other => PackError::Packer(other),
-    })?;
-    // The packer crops the page and divides by what is left: back to the square page.
-    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height)) / texels;
-    let density = f64::from(atlas.texels_per_unit) / texels;
-    let placement = |((shape, mesh), &weight): ((&Shape, &uvunwrap::OutputMesh), &f64)| {
-        read(shape, mesh, size, density * f64::from(weight as f32), TOLERANCE / texels)
-    };
-    let placements = shapes.iter().zip(&atlas.meshes).zip(weights).map(placement).collect();
-    Ok(Answer { pages: atlas.page_count, placements })
-}
-
-/// The similarity behind the packer's answer for one chart, from the chart's own coordinates;
-/// `None` when it is none.
-fn read(
-    shape: &Shape,
-    mesh: &uvunwrap::OutputMesh,
-    size: DVec2,
-    scale: f64,
-    tolerance: f64,
-) -> Option<Placement> {
-    let (chart, page) = mesh.vertices.first().map(|v| (v.chart, v.page))?;
-    if mesh.vertices.iter().any(|v| v.chart != chart || v.page != page) {
-        return None;
-    }
-    let from: Vec<DVec2> = mesh.vertices.iter().map(|v| shape.point(v.xref)).collect();
-    let to: Vec<DVec2> =
-        mesh.vertices.iter().map(|v| DVec2::from(v.uv.map(f64::from)) * size).collect();
-    let (fit, error) = Placement::fit(page?, scale, &from, &to)?;
-    if error > tolerance {
-        return None;
-    }
-    let scale = fit.scale / shape.unit();
-    let offset = fit.offset - fit.rotation.rotate(shape.low()) * scale;
-    Some(Placement { scale, offset, ..fit })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,7 +168,15 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     fn options(page_size: u32, padding: u32) -> PackOptions {
-        PackOptions { page_size, padding, weights: Vec::new() }
+        PackOptions {
+            page_size,
+            padding,
+            rotation: Rotation::Free,
+            block_align: false,
+            pages: 1,
+            grid: Grid::Page,
+            weights: Vec::new(),
+        }
     }
 
     /// Pack and check what must hold for any charts; returns the atlas and its efficiency.
@@ -286,6 +242,16 @@ mod tests {
             assert!(scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-9), "one density");
             assert!(efficiency > 0.6, "{padding} {efficiency}");
         }
+        check(&rectangles(10, 5), &options(8192, 3));
+    }
+
+    #[test]
+    fn equal_squares_fill_the_page_but_for_their_gutters() {
+        // Nine squares of a side of (256 − 3·4) / 3 texels are the optimum.
+        let squares: Vec<_> = (0..9).map(|_| samples::plane(1, 1, 1.0, 1.0)).collect();
+        let (_, efficiency) = check(&squares, &options(256, 4));
+        let best = (244.0_f64 / 256.0).powi(2);
+        assert!(efficiency > 0.97 * best && efficiency < 1.01 * best, "{efficiency}");
     }
 
     #[test]
@@ -297,6 +263,83 @@ mod tests {
         assert!(
             (scale(1) / scale(0) - 2.0).abs() < 1e-9 && (scale(2) / scale(0) - 0.5).abs() < 1e-9
         );
+    }
+
+    /// Whether a chart, as it was placed, is turned by a whole number of quarter turns: which one.
+    fn quarter_turn(uv: &[DVec2], placed: &[DVec2]) -> Option<usize> {
+        let (from, to) = (uv[1] - uv[0], (placed[1] - placed[0]).normalize());
+        let axes = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
+        axes.iter().position(|a| a.rotate(from.normalize()).distance(to) < 1e-9)
+    }
+
+    #[test]
+    fn rotation_is_as_free_as_asked_for() {
+        let charts = rectangles(30, 6);
+        let turns = |rotation| -> Vec<Option<usize>> {
+            let (atlas, _) = check(&charts, &PackOptions { rotation, ..options(512, 2) });
+            charts.iter().zip(&atlas.uvs).map(|(c, placed)| quarter_turn(&c.1, placed)).collect()
+        };
+        assert!(turns(Rotation::None).iter().all(|&t| t == Some(0)));
+        let quarters = turns(Rotation::Quarter);
+        assert!(quarters.iter().all(Option::is_some));
+        assert!(quarters.iter().any(|&t| t != Some(0)), "quarter turns are used");
+        assert!(turns(Rotation::Free).iter().any(Option::is_none), "free turns are used");
+    }
+
+    /// Whether a triangle and a box overlap: no side of either separates them.
+    fn meets(t: &[DVec2; 3], low: DVec2, high: DVec2) -> bool {
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        let sides = (0..3).map(|k| (t[(k + 1) % 3] - t[k]).perp());
+        sides.chain([DVec2::X, DVec2::Y]).all(|axis| {
+            let span = |points: &[DVec2]| {
+                let along = points.iter().map(|p| p.dot(axis));
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+            };
+            let (a, b) = (span(t), span(&corners));
+            a.0 < b.1 && b.0 < a.1
+        })
+    }
+
+    #[test]
+    fn aligned_charts_share_no_block() {
+        let charts = rectangles(40, 7);
+        for (page_size, padding) in [(256, 2), (508, 1), (5000, 3)] {
+            let aligned = PackOptions { block_align: true, ..options(page_size, padding) };
+            let (atlas, _) = check(&charts, &aligned);
+            let blocks = page_size / BLOCK;
+            let mut owner = std::collections::HashMap::new();
+            for (i, (disk, _)) in charts.iter().enumerate() {
+                for t in &disk.triangles {
+                    let t = t.map(|v| atlas.uvs[i][v as usize] * f64::from(blocks));
+                    let low = t[0].min(t[1]).min(t[2]).floor().as_uvec2();
+                    let high = t[0].max(t[1]).max(t[2]).floor().as_uvec2();
+                    for y in low.y..=high.y {
+                        for x in low.x..=high.x {
+                            let block = DVec2::new(f64::from(x), f64::from(y));
+                            if meets(&t, block, block + 1.0) {
+                                assert_eq!(*owner.entry((x, y)).or_insert(i), i, "{page_size}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let odd = PackOptions { block_align: true, ..options(254, 2) };
+        let borrowed: Vec<_> = charts.iter().map(|(d, u)| (d, u)).collect();
+        assert_eq!(pack(&borrowed, &odd, &Cancel::default()), Err(PackError::Blocks(254)));
+    }
+
+    #[test]
+    fn the_density_grows_until_the_pages_are_full() {
+        let charts = rectangles(40, 8);
+        let on = |pages| check(&charts, &PackOptions { pages, ..options(256, 2) }).0;
+        let (one, four) = (on(1), on(4));
+        assert_eq!((one.pages, four.pages), (1, 4));
+        let scale = |atlas: &Atlas| atlas.placements[0].scale;
+        assert!(four.placements.iter().all(|p| (p.scale / scale(&four) - 1.0).abs() < 1e-9));
+        // Four pages hold four times the area, less what the longest chart forbids.
+        let gain = scale(&four) / scale(&one);
+        assert!((1.3..2.3).contains(&gain), "{gain}");
     }
 
     #[test]
@@ -326,12 +369,11 @@ mod tests {
     #[test]
     fn the_same_charts_give_the_same_atlas() {
         let charts = rectangles(40, 4);
-        assert_eq!(check(&charts, &options(512, 2)).0, check(&charts, &options(512, 2)).0);
-    }
-
-    #[test]
-    fn a_large_page_keeps_its_gutter() {
-        check(&rectangles(10, 5), &options(8192, 3));
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| check(&charts, &options(512, 2)).0)
+        };
+        assert_eq!(on(1), on(5));
     }
 
     #[test]

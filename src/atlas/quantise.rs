@@ -7,11 +7,29 @@ use glam::{DVec2, I64Vec2};
 
 use crate::flatten::{Disk, UvMap};
 
-/// The lattice step.
-pub const GRID: f64 = 1.0 / STEPS as f64;
+/// The lattice that coordinates are put on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grid {
+    /// Multiples of 2⁻²⁴: exact in single precision within [0, 1].
+    Page,
+    /// Multiples of 2⁻²⁰: exact in single precision up to 16, for pages on tiles of their own.
+    Tiles,
+}
 
-/// Lattice steps across the page.
-const STEPS: i64 = 1 << 24;
+impl Grid {
+    /// Steps across the page.
+    fn steps(self) -> i64 {
+        match self {
+            Self::Page => 1 << 24,
+            Self::Tiles => 1 << 20,
+        }
+    }
+
+    /// The lattice step, page widths.
+    pub fn step(self) -> f64 {
+        1.0 / self.steps() as f64
+    }
+}
 
 /// Least height of a triangle, lattice steps. A height of 1.2e-7 (2.01 steps) counts as none.
 const HEIGHT: f64 = 2.2;
@@ -23,6 +41,9 @@ const NEAR: i64 = 3;
 /// … and places on rings of these radii, in so many directions.
 const RINGS: [f64; 6] = [4.5, 6.0, 9.0, 12.0, 17.0, 24.0];
 const DIRECTIONS: u32 = 24;
+
+/// No corner ends up further than this from where it was, lattice steps, rounding included.
+pub(super) const REACH: f64 = 26.0;
 
 /// A face that falls short by more than the way all its corners could make up is beyond repair.
 const BEYOND: f64 = 96.0;
@@ -36,7 +57,7 @@ pub(super) const FLAT_3D: f64 = 1e-7;
 /// Charts on the lattice.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Quantised {
-    /// Coordinates: multiples of [`GRID`] in [0, 1].
+    /// Coordinates in [0, 1], on the lattice.
     pub uvs: Vec<UvMap>,
     /// Vertices that were moved for the sake of a triangle.
     pub moved: u64,
@@ -53,14 +74,14 @@ pub(super) fn is_flat_3d(disk: &Disk, face: usize, diagonal: f64) -> bool {
 
 /// Put charts (disk and coordinates in [0, 1]²) on the lattice. `diagonal` is the object's, world
 /// units: faces without area in 3D need none in UV, but must not be flipped.
-pub fn quantise(charts: &[(&Disk, &UvMap)], diagonal: f64) -> Quantised {
+pub fn quantise(charts: &[(&Disk, &UvMap)], diagonal: f64, grid: Grid) -> Quantised {
     let mut result = Quantised::default();
     for (chart, (disk, uv)) in charts.iter().enumerate() {
-        let mut lattice = Lattice::new(disk, uv, diagonal);
+        let mut lattice = Lattice::new(disk, uv, diagonal, grid);
         let lost = lattice.repair();
         result.lost.extend(lost.into_iter().map(|f| (chart as u32, f)));
         result.moved += lattice.moved();
-        result.uvs.push(lattice.points.iter().map(|p| p.as_dvec2() * GRID).collect());
+        result.uvs.push(lattice.points.iter().map(|p| p.as_dvec2() * grid.step()).collect());
     }
     result
 }
@@ -68,6 +89,8 @@ pub fn quantise(charts: &[(&Disk, &UvMap)], diagonal: f64) -> Quantised {
 /// One chart in lattice steps.
 struct Lattice<'a> {
     disk: &'a Disk,
+    /// Steps across the page.
+    steps: i64,
     points: Vec<I64Vec2>,
     snapped: Vec<I64Vec2>,
     /// Height that each face needs.
@@ -75,12 +98,13 @@ struct Lattice<'a> {
 }
 
 impl<'a> Lattice<'a> {
-    fn new(disk: &'a Disk, uv: &[DVec2], diagonal: f64) -> Self {
-        let snap = |p: &DVec2| (p.clamp(DVec2::ZERO, DVec2::ONE) / GRID).round().as_i64vec2();
+    fn new(disk: &'a Disk, uv: &[DVec2], diagonal: f64, grid: Grid) -> Self {
+        let snap =
+            |p: &DVec2| (p.clamp(DVec2::ZERO, DVec2::ONE) / grid.step()).round().as_i64vec2();
         let points: Vec<I64Vec2> = uv.iter().map(snap).collect();
         let need = |f| if is_flat_3d(disk, f, diagonal) { 0.0 } else { HEIGHT };
         let needs = (0..disk.triangles.len()).map(need).collect();
-        Self { disk, snapped: points.clone(), points, needs }
+        Self { disk, steps: grid.steps(), snapped: points.clone(), points, needs }
     }
 
     fn moved(&self) -> u64 {
@@ -144,7 +168,7 @@ impl<'a> Lattice<'a> {
             let now = sum(self);
             for &step in stencil {
                 let to = self.snapped[v] + step;
-                if to.min_element() < 0 || to.max_element() > STEPS {
+                if to.min_element() < 0 || to.max_element() > self.steps {
                     continue;
                 }
                 self.points[v] = to;
@@ -197,7 +221,7 @@ mod tests {
         fn the_lattice_survives_export(x in 0.0..1.0f64) {
             let (disk, _) = samples::plane(1, 1, 1.0, 1.0);
             let uv = vec![DVec2::splat(x); 4];
-            let p = quantise(&[(&disk, &uv)], 1.0).uvs[0][0];
+            let p = quantise(&[(&disk, &uv)], 1.0, Grid::Page).uvs[0][0];
             prop_assert_eq!(f64::from(p.x as f32), p.x);
             let turned = 1.0f32 - p.x as f32;
             prop_assert_eq!(1.0 - f64::from(turned), p.x);
@@ -211,32 +235,47 @@ mod tests {
             let (disk, uv) = samples::plane(6, 1, 0.2, 10f64.powf(thin));
             let uv: UvMap = uv.iter().map(|&p| DVec2::from_angle(turn).rotate(p) + at).collect();
             let uv = uv.iter().map(|p| p.clamp(DVec2::splat(0.01), DVec2::splat(0.99))).collect();
-            let result = quantise(&[(&disk, &uv)], 1e-3);
+            let result = quantise(&[(&disk, &uv)], 1e-3, Grid::Page);
             let lost: Vec<u32> = result.lost.iter().map(|l| l.1).collect();
             for f in 0..disk.triangles.len() {
                 prop_assert_eq!(sound(&disk, &result.uvs[0], f), !lost.contains(&(f as u32)));
             }
             prop_assert!(lost.is_empty(), "{} lost", lost.len());
             let far = result.uvs[0].iter().zip(&uv).map(|(p, q): (&DVec2, &DVec2)| p.distance(*q));
-            prop_assert!(far.fold(0.0, f64::max) < 40.0 * GRID);
+            prop_assert!(far.fold(0.0, f64::max) < 40.0 * Grid::Page.step());
+        }
+    }
+
+    #[test]
+    fn tiles_are_exact_wherever_they_lie() {
+        let (disk, uv) = samples::plane(20, 20, 0.9, 0.9);
+        let result = quantise(&[(&disk, &uv)], 1.0, Grid::Tiles);
+        assert!(result.lost.is_empty());
+        for x in result.uvs[0].iter().flat_map(|p| p.to_array()) {
+            for tile in 0..10 {
+                let there = x + f64::from(tile);
+                assert_eq!(f64::from(there as f32), there);
+                // Export turns v over.
+                assert_eq!(f64::from(1.0 - there as f32), 1.0 - there);
+            }
         }
     }
 
     #[test]
     fn sound_charts_are_only_rounded() {
         let (disk, uv) = samples::plane(20, 20, 0.9, 0.9);
-        let result = quantise(&[(&disk, &uv)], 1.0);
+        let result = quantise(&[(&disk, &uv)], 1.0, Grid::Page);
         assert_eq!((result.moved, result.lost.len()), (0, 0));
-        assert!(result.uvs[0].iter().zip(&uv).all(|(p, q)| p.distance(*q) < GRID));
+        assert!(result.uvs[0].iter().zip(&uv).all(|(p, q)| p.distance(*q) < Grid::Page.step()));
     }
 
     #[test]
     fn a_chart_that_has_shrunk_to_a_point_is_grown_or_reported() {
         let (disk, uv) = samples::plane(1, 1, 1.0, 1.0);
         let tiny: UvMap = uv.iter().map(|p| 0.5 + p * 1e-9).collect();
-        assert!(quantise(&[(&disk, &tiny)], 1.0).lost.is_empty());
+        assert!(quantise(&[(&disk, &tiny)], 1.0, Grid::Page).lost.is_empty());
         let (disk, uv) = samples::plane(40, 40, 1.0, 1.0);
         let tiny: UvMap = uv.iter().map(|p| 0.5 + p * 1e-9).collect();
-        assert!(!quantise(&[(&disk, &tiny)], 1.0).lost.is_empty());
+        assert!(!quantise(&[(&disk, &tiny)], 1.0, Grid::Page).lost.is_empty());
     }
 }

@@ -181,6 +181,8 @@ pub struct PackingEfficiency {
 pub struct AtlasMetrics {
     /// Pages.
     pub pages: u32,
+    /// Whether page k is written to UDIM tile 1001 + k; otherwise all pages share [0, 1]².
+    pub udim: bool,
     /// Texels across a page.
     pub width: u32,
     /// Texels down a page.
@@ -261,6 +263,8 @@ pub struct ChartMetrics {
     pub id: u32,
     /// The part it belongs to.
     pub part: u32,
+    /// The page it is on, counted from 0.
+    pub page: u32,
     /// How many faces.
     pub faces: u64,
     /// What shape it was taken for: cylinder, cone, or general.

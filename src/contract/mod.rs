@@ -5,6 +5,7 @@
 mod budget;
 mod cancel;
 mod certificate;
+mod density;
 mod error_code;
 mod limits;
 mod mesh_kind;
@@ -16,12 +17,13 @@ mod progress;
 pub use budget::Budget;
 pub use cancel::{Cancel, Canceled};
 pub use certificate::Certificate;
+pub use density::weights as density_weights;
 pub use error_code::{ErrorCode, JobError};
 pub use limits::Limits;
 pub use mesh_kind::MeshKind;
 pub use metrics::*;
 pub use option_values::{
-    AtlasGrouping, DoubleSided, LossForm, Quality, Seed, SegmentationSource, StopAfter,
+    AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
 };
 pub use options::{OptionError, UnwrapOptions};
 pub use progress::{Progress, Run, Stage};

@@ -75,6 +75,19 @@ value! {
 }
 
 value! {
+    /// How charts may be turned when they are placed. None is ever mirrored.
+    Rotation {
+        /// Freely.
+        #[default]
+        Free,
+        /// By quarter turns, so that a chart's own axes stay along the page's.
+        Quarter,
+        /// Not at all: every chart stands as it was mapped.
+        None,
+    }
+}
+
+value! {
     /// How much work goes into the maps.
     Quality {
         /// No training: start maps, polished.

@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{AtlasGrouping, DoubleSided, LossForm, Quality, Seed, SegmentationSource, StopAfter};
+use super::density::weights;
+use super::{
+    AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
+};
 
 /// Everything that a job can be told. JSON and query keys are snake_case, flags kebab-case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema, Args)]
@@ -36,6 +39,26 @@ pub struct UnwrapOptions {
     #[arg(long, default_value_t = 2)]
     #[schema(minimum = 0, maximum = 64)]
     pub padding: u32,
+    /// How charts may be turned when they are placed.
+    #[arg(long, value_enum, default_value_t)]
+    pub rotation: Rotation,
+    /// Keep charts to whole blocks of 4 × 4 texels that no other chart touches, for block-compressed
+    /// textures; `page_size` must be a multiple of 4.
+    #[arg(long)]
+    pub block_align: bool,
+    /// Most pages that an atlas is spread over, 1 to 64; more are used only where the charts fit on
+    /// so many at no density.
+    #[arg(long, default_value_t = 1)]
+    #[schema(minimum = 1, maximum = 64)]
+    pub pages: u32,
+    /// Write page k, counted from 0, to UDIM tile 1001 + k: u is moved by k mod 10 and v, upwards,
+    /// by k div 10. Otherwise all pages share [0, 1]².
+    #[arg(long)]
+    pub udim: bool,
+    /// Texel density of parts relative to the others, as in `0=2,seat=0.5`: numbers or names of
+    /// parts as in metrics.json, factors from 0.01 to 100.
+    #[arg(long)]
+    pub density: Option<String>,
     /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1.
     #[arg(long, default_value_t = 0.01)]
     #[schema(exclusive_minimum = 0.0)]
@@ -86,6 +109,11 @@ impl Default for UnwrapOptions {
             uv_channel: 0,
             page_size: 1024,
             padding: 2,
+            rotation: Default::default(),
+            block_align: false,
+            pages: 1,
+            udim: false,
+            density: None,
             distortion_bound: 0.01,
             max_charts: None,
             quality: Default::default(),
@@ -166,6 +194,15 @@ impl UnwrapOptions {
         check("uv_channel", self.uv_channel <= 7, "from 0 to 7", self.uv_channel.to_string());
         let page = (64..=16384).contains(&self.page_size);
         check("page_size", page, "from 64 to 16384", self.page_size.to_string());
+        let blocks = !self.block_align || self.page_size.is_multiple_of(4);
+        let want = "a multiple of 4 with block_align";
+        check("page_size", blocks, want, self.page_size.to_string());
+        check("pages", (1..=64).contains(&self.pages), "from 1 to 64", self.pages.to_string());
+        if let Some(text) = &self.density
+            && let Err(want) = weights(text)
+        {
+            check("density", false, &want, format!("{text:?}"));
+        }
         check("padding", self.padding <= 64, "from 0 to 64", self.padding.to_string());
         let bound = positive(self.distortion_bound);
         check("distortion_bound", bound, "above 0", self.distortion_bound.to_string());
@@ -206,6 +243,23 @@ mod tests {
         assert_eq!(pointers, ["/paddign", "/steps"]);
         let errors = UnwrapOptions::from_json(&json!({"padding": 65, "page_size": 1})).unwrap_err();
         assert_eq!(errors.len(), 2);
+    }
+
+    #[test]
+    fn blocks_pages_and_densities_have_their_ranges() {
+        let pointers = |value| -> Vec<String> {
+            let errors = UnwrapOptions::from_json(&value).err().unwrap_or_default();
+            errors.into_iter().map(|e| e.pointer).collect()
+        };
+        assert_eq!(pointers(json!({"page_size": 1022, "block_align": true})), ["/page_size"]);
+        assert!(pointers(json!({"page_size": 1022})).is_empty());
+        assert_eq!(pointers(json!({"pages": 0})), ["/pages"]);
+        assert_eq!(pointers(json!({"pages": 65})), ["/pages"]);
+        assert!(pointers(json!({"pages": 64, "udim": true, "rotation": "none"})).is_empty());
+        for wrong in ["2", "seat=0.001", "seat=101", "seat=x", "seat=1,seat=2", "=1"] {
+            assert_eq!(pointers(json!({"density": wrong})), ["/density"], "{wrong}");
+        }
+        assert!(pointers(json!({"density": "0=2, seat = 0.5"})).is_empty());
     }
 
     #[test]

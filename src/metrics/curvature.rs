@@ -75,6 +75,7 @@ mod tests {
             boundary_labels: None,
             page_size: 1024,
             pages: 1,
+            page_of: &[],
             chamfer: &[],
         })
         .unwrap()

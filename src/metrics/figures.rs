@@ -40,6 +40,8 @@ pub struct Measured<'a> {
     pub page_size: u32,
     /// Pages of the atlas.
     pub pages: u32,
+    /// Page of each chart, from 0. Length: charts, or empty where all are on the first.
+    pub page_of: &'a [u32],
     /// Round-trip Chamfer distance of each chart that was trained. Length: charts, or empty.
     pub chamfer: &'a [Option<f64>],
 }
@@ -50,6 +52,11 @@ impl Measured<'_> {
         let s = self.surface;
         let counted = (self.chart_of[face] as usize) < self.charts && s.usable[face];
         if counted { FaceMap::new(s.corners(face), self.uvs[face]) } else { None }
+    }
+
+    /// The page of a chart.
+    pub fn page(&self, chart: u32) -> u32 {
+        self.page_of.get(chart as usize).copied().unwrap_or(0)
     }
 
     /// The label of a face for boundaries, −1 unknown.

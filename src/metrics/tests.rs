@@ -28,6 +28,7 @@ fn measured<'a>(
         boundary_labels,
         page_size: 1024,
         pages: 1,
+        page_of: &[],
         chamfer: &[],
     }
 }

@@ -1,7 +1,7 @@
 //! Why the pipeline stopped.
 
 use crate::atlas::PackError;
-use crate::contract::{Canceled, ErrorCode, JobError};
+use crate::contract::{Canceled, ErrorCode, JobError, OptionError};
 use crate::device::DeviceError;
 use crate::mesh::ImportError;
 use crate::mesh::export::ExportError;
@@ -21,6 +21,9 @@ pub enum UnwrapError {
     /// The labels that came with the request do not fit.
     #[error("labels: {0}")]
     Labels(String),
+    /// An option that does not fit this object.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The parts cannot be found as asked.
     #[error(transparent)]
     Segmentation(SegmentationError),
@@ -95,7 +98,9 @@ impl UnwrapError {
         let code = match self {
             Self::Canceled => return None,
             Self::Import(error) => error.code(),
-            Self::Labels(_) | Self::Pack(PackError::PaddingTooLarge { .. }) => {
+            Self::Labels(_)
+            | Self::Option(_)
+            | Self::Pack(PackError::PaddingTooLarge { .. } | PackError::Blocks(_)) => {
                 ErrorCode::InvalidOption
             }
             Self::Segmentation(error) => error.code(),

@@ -7,14 +7,16 @@ use std::collections::HashMap;
 use super::finish::Finished;
 use super::parts::Found;
 use super::sheets::mate_corner;
-use crate::atlas::GRID;
+use crate::atlas::Grid;
 use crate::mesh::NONE;
 
 /// Coordinates and chart of each face.
 pub struct Faces {
-    /// Final coordinates of the corners in the surface's winding, v up; NaN for faces in no chart.
+    /// Coordinates of the corners on their page, [0, 1]², in the surface's winding, v up; NaN for
+    /// faces in no chart.
     pub uvs: Vec<[[f32; 2]; 3]>,
-    /// The same in file winding, finite for every face.
+    /// What the file gets, in its winding, finite for every face: the same, or moved to the page's
+    /// UDIM tile, which is exact on that lattice.
     pub file: Vec<[[f32; 2]; 3]>,
     /// Chart of each face, or [`NONE`].
     pub chart_of: Vec<u32>,
@@ -33,11 +35,19 @@ pub fn collect(found: &Found, finished: &Finished) -> Faces {
         }
     }
     let mut shipped = uvs.clone();
+    if finished.grid == Grid::Tiles {
+        for (f, &chart) in chart_of.iter().enumerate().filter(|(_, c)| **c != NONE) {
+            let page = finished.page_of[chart as usize];
+            let tile = [(page % 10) as f32, (page / 10) as f32];
+            shipped[f] = shipped[f].map(|[u, v]| [u + tile[0], v + tile[1]]);
+        }
+    }
+    let placed = shipped.clone();
     for (f, &source) in found.sources.iter().enumerate().filter(|(f, s)| **s != *f as u32) {
         let source = source as usize;
-        shipped[f] = [0, 1, 2].map(|k| uvs[source][mate_corner(surface, f, source, k)]);
+        shipped[f] = [0, 1, 2].map(|k| placed[source][mate_corner(surface, f, source, k)]);
     }
-    lay_down_flat_faces(found, &mut shipped);
+    lay_down_flat_faces(found, finished.grid.step(), &mut shipped);
     let file = (0..count)
         .map(|f| {
             let mut corners = [[0.0; 2]; 3];
@@ -49,7 +59,7 @@ pub fn collect(found: &Found, finished: &Finished) -> Faces {
 }
 
 /// Give faces that have no coordinates yet a place without area.
-fn lay_down_flat_faces(found: &Found, uvs: &mut [[[f32; 2]; 3]]) {
+fn lay_down_flat_faces(found: &Found, step: f64, uvs: &mut [[[f32; 2]; 3]]) {
     let surface = &found.surface;
     let missing: Vec<usize> = (0..uvs.len()).filter(|&f| uvs[f][0][0].is_nan()).collect();
     if missing.is_empty() {
@@ -80,7 +90,7 @@ fn lay_down_flat_faces(found: &Found, uvs: &mut [[[f32; 2]; 3]]) {
                 // On the lattice, as every other coordinate.
                 let mix = |i: usize| {
                     let x = f64::from(p[i]) + share * (f64::from(q[i]) - f64::from(p[i]));
-                    ((x / GRID).round() * GRID) as f32
+                    ((x / step).round() * step) as f32
                 };
                 let mut corners = [[0.0; 2]; 3];
                 (corners[longest], corners[b], corners[c]) = (p, q, [mix(0), mix(1)]);

@@ -8,13 +8,18 @@ use super::clock::Clock;
 use super::error::UnwrapError;
 use super::maps::Mapped;
 use super::parts::Found;
-use crate::atlas::{self, AtlasCertificates, Demands, PackOptions, Placed};
+use crate::atlas::{self, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, StartKind};
-use crate::contract::{Certificate, ChartForm, DoubleSided, Run, Stage, UnwrapOptions};
+use crate::contract::{
+    Certificate, ChartForm, DoubleSided, OptionError, Run, Stage, UnwrapOptions,
+};
 use crate::flatten::{self, UvMap};
 
 /// Times that failed charts are divided before the classical unwrapper gets them.
 const ROUNDS: u32 = 3;
+
+/// UDIM tiles: 1001 to 1100.
+const TILES: u32 = 100;
 
 /// Charts on pages, certified.
 pub struct Finished {
@@ -24,6 +29,10 @@ pub struct Finished {
     pub uvs: Vec<UvMap>,
     /// Pages in all.
     pub pages: u32,
+    /// Page of each chart.
+    pub page_of: Vec<u32>,
+    /// The lattice that the coordinates are on.
+    pub grid: Grid,
     /// The proofs.
     pub certificates: AtlasCertificates,
 }
@@ -80,14 +89,24 @@ fn place(
     for (i, mapped) in charts.iter().enumerate() {
         groups.entry(found.page_of_region[mapped.chart.part as usize]).or_default().push(i);
     }
-    let packing =
-        PackOptions { page_size: options.page_size, padding: options.padding, weights: Vec::new() };
+    let grid = if options.udim { Grid::Tiles } else { Grid::Page };
+    let weight =
+        |&i: &usize| found.weights[found.part_of_region[charts[i].chart.part as usize] as usize];
     let mut page_of = vec![0; charts.len()];
     let mut placed: Vec<UvMap> = vec![UvMap::new(); charts.len()];
     let mut pages = 0;
     for members in groups.values() {
         let input: Vec<_> =
             members.iter().map(|&i| (&charts[i].chart.disk, &charts[i].uv)).collect();
+        let packing = PackOptions {
+            page_size: options.page_size,
+            padding: options.padding,
+            rotation: options.rotation,
+            block_align: options.block_align,
+            pages: options.pages,
+            grid,
+            weights: members.iter().map(weight).collect(),
+        };
         let atlas = atlas::pack(&input, &packing, &run.cancel)?;
         for ((&i, placement), uv) in members.iter().zip(&atlas.placements).zip(atlas.uvs) {
             page_of[i] = pages + placement.page;
@@ -95,8 +114,12 @@ fn place(
         }
         pages += atlas.pages;
     }
+    if options.udim && pages > TILES {
+        let detail = format!("has room for {TILES} pages and there are {pages}: ask for fewer");
+        return Err(OptionError { pointer: "/udim".into(), detail }.into());
+    }
     let disks: Vec<_> = charts.iter().zip(&placed).map(|(m, uv)| (&m.chart.disk, uv)).collect();
-    let rounded = atlas::quantise(&disks, found.surface.diagonal);
+    let rounded = atlas::quantise(&disks, found.surface.diagonal, grid);
     let on_pages: Vec<Placed> = charts
         .iter()
         .zip(&rounded.uvs)
@@ -111,7 +134,7 @@ fn place(
         shared_sheets: options.double_sided == DoubleSided::Share,
     };
     let certificates = atlas::certify_atlas(&on_pages, &demands);
-    Ok(Finished { charts, uvs: rounded.uvs, pages, certificates })
+    Ok(Finished { charts, uvs: rounded.uvs, pages, page_of, grid, certificates })
 }
 
 /// A chart as the islands of the classical unwrapper.

@@ -14,6 +14,7 @@ mod parts;
 mod report;
 mod result;
 mod sheets;
+mod weights;
 
 pub use error::UnwrapError;
 pub use result::{Artifact, Unwrapped};

@@ -3,6 +3,7 @@
 use super::clock::Clock;
 use super::error::UnwrapError;
 use super::sheets;
+use super::weights::weights;
 use crate::contract::{AtlasGrouping, DoubleSided, Run, Stage, UnwrapOptions};
 use crate::mesh::{self, NONE, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
@@ -21,6 +22,8 @@ pub struct Found {
     pub parts: PartLabels,
     /// For each face the face whose UVs it carries (itself but for shared sheets).
     pub sources: Vec<u32>,
+    /// Texel density of each part relative to the others.
+    pub weights: Vec<f64>,
     /// What charts may not cross, for each face: its part, or part and material where each material
     /// has an atlas; [`NONE`] for faces that get no chart of their own.
     pub region_of: Vec<u32>,
@@ -58,6 +61,7 @@ pub fn find(
     let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
     clock.stage(Stage::Segment, run)?;
     let parts = segmentation::segment(&surface, &cloud, options.segmentation, run)?;
+    let weights = weights(&parts.parts, options)?;
     let sources = match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),
         DoubleSided::Share => sheets::sources(&surface),
@@ -67,6 +71,7 @@ pub fn find(
         cloud,
         parts,
         sources,
+        weights,
         region_of: Vec::new(),
         part_of_region: Vec::new(),
         page_of_region: Vec::new(),

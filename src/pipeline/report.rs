@@ -39,6 +39,7 @@ pub fn whole(
         chamfer: &chamfer,
         page_size: options.page_size,
         pages: finished.pages,
+        page_of: &finished.page_of,
         ..measured(found, &faces, finished.charts.len())
     };
     let figures = metrics::measure(&measured, run)?;
@@ -57,6 +58,7 @@ pub fn whole(
     let metrics = Metrics {
         atlas: AtlasMetrics {
             pages: finished.pages,
+            udim: options.udim,
             width: options.page_size,
             height: options.page_size,
             charts: finished.charts.len() as u32,
@@ -122,6 +124,7 @@ fn measured<'a>(found: &'a Found, faces: &'a Faces, charts: usize) -> Measured<'
         boundary_labels: None,
         page_size: 0,
         pages: 0,
+        page_of: &[],
         chamfer: &[],
     }
 }
@@ -180,6 +183,7 @@ fn charts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<
         |(id, ((m, figures), proof)): (usize, ((&Mapped, &Figures), &Certificate))| ChartMetrics {
             id: id as u32,
             part: found.part_of_region[m.chart.part as usize],
+            page: finished.page_of[id],
             faces: m.chart.faces.len() as u64,
             shape: m.chart.shape.as_str().into(),
             start: m.chart.start_kind.as_str().into(),

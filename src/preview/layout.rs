@@ -4,13 +4,14 @@ use glam::{Vec2, Vec3};
 
 use super::canvas::Canvas;
 use super::lines::LineMask;
+use super::pages::Pages;
 use super::palette::{linear, part_color};
 use crate::metrics::{EdgeTable, Measured};
 
 /// With more faces their edges would only make the panel grey.
 const MOST_FACES: usize = 6_000;
 
-/// Draws the page onto a square canvas, `margin` pixels from its sides. Lines are `unit` pixels wide.
+/// Draws the pages onto a square canvas, `margin` pixels from its sides. Lines are `unit` pixels wide.
 pub(super) fn draw_layout(
     canvas: &mut Canvas,
     input: &Measured,
@@ -19,20 +20,29 @@ pub(super) fn draw_layout(
     unit: f32,
 ) {
     let side = canvas.width as f32 - 2.0 * margin;
-    let place = |[u, v]: [f32; 2]| Vec2::new(margin + u * side, margin + (1.0 - v) * side);
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
-    for half in [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]] {
-        canvas.fill(half, Vec3::ONE);
+    let pages = Pages::new(input.pages);
+    let size = Vec2::from(pages.size());
+    let scale = side / size.max_element();
+    let low = margin + 0.5 * (side - size * scale);
+    let place = |page: u32, uv: [f32; 2]| low + Vec2::from(pages.place(page, uv)) * scale;
+    let corners = |page: u32| {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|corner| place(page, corner))
+    };
+    for [a, b, c, d] in pages.all().map(corners) {
+        canvas.fill([a, b, c], Vec3::ONE);
+        canvas.fill([a, c, d], Vec3::ONE);
     }
     for f in 0..input.uvs.len() {
         if input.face_map(f).is_some() {
             let hue = linear(part_color(input.part_of[f]));
-            canvas.fill(input.uvs[f].map(place), Vec3::ONE.lerp(hue, 0.78));
+            let page = input.page(input.chart_of[f]);
+            canvas.fill(input.uvs[f].map(|uv| place(page, uv)), Vec3::ONE.lerp(hue, 0.78));
         }
     }
     let segment = |h: u32| {
         let (f, k) = (h as usize / 3, h as usize % 3);
-        (place(input.uvs[f][k]), place(input.uvs[f][(k + 1) % 3]))
+        let page = input.page(input.chart_of[f]);
+        (place(page, input.uvs[f][k]), place(page, input.uvs[f][(k + 1) % 3]))
     };
     let (width, height) = (canvas.width, canvas.height);
     if input.surface.face_count() <= MOST_FACES {
@@ -50,8 +60,10 @@ pub(super) fn draw_layout(
     }
     canvas.lay(&mask.scaled(0.75), linear([0x26, 0x2a, 0x33]));
     let mut frame = LineMask::new(width, height);
-    for i in 0..4 {
-        frame.draw(corners[i], corners[(i + 1) % 4], unit, |_, _| true);
+    for corners in pages.all().map(corners) {
+        for i in 0..4 {
+            frame.draw(corners[i], corners[(i + 1) % 4], unit, |_, _| true);
+        }
     }
     canvas.lay(&frame.scaled(0.8), linear([0xa8, 0xae, 0xb8]));
 }

@@ -9,6 +9,7 @@ mod layout;
 mod lines;
 mod occlusion;
 mod outline;
+mod pages;
 mod palette;
 mod picture;
 mod raster;

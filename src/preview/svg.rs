@@ -4,12 +4,13 @@
 use std::fmt::Write;
 
 use super::outline::outlines;
+use super::pages::Pages;
 use super::palette::{hex, part_color};
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::NONE;
 use crate::metrics::{EdgeTable, Measured};
 
-/// Width and height of the picture, user units.
+/// Width and height of a page, user units.
 const SIDE: f32 = 1000.0;
 /// With more faces only the outlines are drawn.
 const MOST_FACES: usize = 20_000;
@@ -23,7 +24,8 @@ pub fn uv_layout_svg(
     let edges = EdgeTable::new(input, |f| input.face_map(f as usize).is_some(), cancel)?;
     let outlines = outlines(input, &edges);
     cancel.check()?;
-    let inner = inner_lines(input, &edges);
+    let pages = Pages::new(input.pages);
+    let inner = inner_lines(input, pages, &edges);
     let mut part_of = vec![NONE; input.charts];
     for (f, chart) in input.chart_of.iter().enumerate() {
         if let Some(part) = part_of.get_mut(*chart as usize) {
@@ -33,13 +35,21 @@ pub fn uv_layout_svg(
     // By part, then by chart.
     let mut order: Vec<(u32, usize)> = part_of.iter().copied().zip(0..).collect();
     order.sort_unstable();
+    let [width, height] = pages.size().map(|length| length * SIDE);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {SIDE} {SIDE}\" width=\"{SIDE}\" \
-         height=\"{SIDE}\" stroke-linejoin=\"round\">\n\
-         <title>UV layout: {} charts, {} texels a side</title>\n\
-         <rect width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#ffffff\" stroke=\"#c8ccd2\"/>\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\" stroke-linejoin=\"round\">\n\
+         <title>UV layout: {} charts, {} texels a side</title>\n",
         input.charts, input.page_size
     );
+    for page in pages.all() {
+        let [x, y] = pages.place(page, [0.0, 1.0]).map(|length| length * SIDE);
+        // Formatting into a string cannot fail.
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#ffffff\" stroke=\"#c8ccd2\"/>"
+        );
+    }
     for group in order.chunk_by(|a, b| a.0 == b.0) {
         cancel.check()?;
         let part = group[0].0;
@@ -58,7 +68,8 @@ pub fn uv_layout_svg(
             let mut path = String::new();
             for line in &outlines[*chart] {
                 for (i, uv) in line.iter().enumerate() {
-                    point(&mut path, if i == 0 { 'M' } else { 'L' }, *uv);
+                    let at = pages.place(input.page(*chart as u32), *uv);
+                    point(&mut path, if i == 0 { 'M' } else { 'L' }, at);
                 }
                 path.push('Z');
             }
@@ -78,7 +89,7 @@ pub fn uv_layout_svg(
 }
 
 /// The edges within each chart, as path data. Length: charts.
-fn inner_lines(input: &Measured, edges: &EdgeTable) -> Vec<String> {
+fn inner_lines(input: &Measured, pages: Pages, edges: &EdgeTable) -> Vec<String> {
     let mut lines = vec![String::new(); input.charts];
     if input.surface.face_count() > MOST_FACES {
         return lines;
@@ -94,8 +105,9 @@ fn inner_lines(input: &Measured, edges: &EdgeTable) -> Vec<String> {
             let (f, k) = (h as usize / 3, h as usize % 3);
             if let Some(line) = lines.get_mut(input.chart_of[f] as usize) {
                 drawn = Some(uv_edge);
-                point(line, 'M', input.uvs[f][k]);
-                point(line, 'L', input.uvs[f][(k + 1) % 3]);
+                let at = |k: usize| pages.place(input.page(input.chart_of[f]), input.uvs[f][k]);
+                point(line, 'M', at(k));
+                point(line, 'L', at((k + 1) % 3));
             }
         }
     }
@@ -103,8 +115,8 @@ fn inner_lines(input: &Measured, edges: &EdgeTable) -> Vec<String> {
 }
 
 /// One step of a path, two decimals.
-fn point(path: &mut String, command: char, [u, v]: [f32; 2]) {
-    let _ = write!(path, "{command}{:.2} {:.2}", u * SIDE, (1.0 - v) * SIDE);
+fn point(path: &mut String, command: char, [x, y]: [f32; 2]) {
+    let _ = write!(path, "{command}{:.2} {:.2}", x * SIDE, y * SIDE);
 }
 
 /// Text as XML wants it; characters that XML 1.0 forbids are left out.

@@ -32,6 +32,7 @@ fn measured<'a>(
         boundary_labels: None,
         page_size: 1024,
         pages: 1,
+        page_of: &[],
         chamfer: &[],
     }
 }
