@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::chart::{Chart, ChartShape, StartKind};
 use super::cluster::cluster;
+use super::compact::compact;
 use super::extent::shorten;
 use super::fit::{Fit, from_scratch};
 use super::limits::Limits;
@@ -171,15 +172,18 @@ fn weld(
         work.place(chart, piece, fit);
     }
     drop(fits);
-    let mut changed: Vec<u32> = (0..work.faces.len() as u32).collect();
+    let all: Vec<u32> = (0..work.faces.len() as u32).collect();
+    let mut changed = all.clone();
     for _ in 0..ROUNDS {
         merge(&mut work, &changed, limits, run)?;
-        changed = straighten(&mut work, limits, run)?;
+        changed = straighten(&mut work, &all, limits, run)?;
         if changed.is_empty() {
             break;
         }
     }
     shorten(&mut work, limits);
+    let divided = compact(&mut work, limits, run)?;
+    straighten(&mut work, &divided, limits, run)?;
     let mut charts = Vec::new();
     for (number, faces) in work.faces.iter().enumerate().filter(|(_, f)| !f.is_empty()) {
         let piece = mesh.cut_open(faces.clone(), &work.glued);

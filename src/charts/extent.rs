@@ -52,44 +52,27 @@ fn span(uv: &[DVec2], axis: DVec2) -> (f64, f64) {
 /// allow it. Maps stay as they are.
 pub fn shorten(work: &mut Patchwork, limits: &Limits) {
     for chart in 0..work.faces.len() as u32 {
-        let faces = std::mem::take(&mut work.faces[chart as usize]);
-        let corners = |f: &u32| 3 * *f as usize..3 * *f as usize + 3;
-        let uv: Vec<DVec2> = faces.iter().flat_map(corners).map(|c| work.uv[c]).collect();
-        let Extent { length, axis, .. } = extent(&uv);
-        let pieces = match length > TOO_LONG * limits.length {
-            true => divide(work, &faces, length, axis, limits),
-            false => None,
-        };
-        let Some(pieces) = pieces else {
-            work.faces[chart as usize] = faces;
-            continue;
-        };
-        for piece in pieces {
-            let number = work.faces.len() as u32;
-            piece.iter().for_each(|&f| work.chart_of[f as usize] = number);
-            work.faces.push(piece);
+        let Extent { length, axis, .. } = work.extent[chart as usize];
+        if length > TOO_LONG * limits.length
+            && let Some(pieces) = strips(work, chart, length, axis, limits)
+        {
+            work.divide(chart, pieces);
         }
-    }
-    let chart_of = &work.chart_of;
-    for (h, glued) in work.glued.iter_mut().enumerate().filter(|(_, g)| **g) {
-        *glued = chart_of[h / 3] == chart_of[work.mesh.twin[h] as usize / 3];
     }
 }
 
 /// Pieces of a chart that are much shorter, if it falls into such.
-fn divide(
+fn strips(
     work: &Patchwork,
-    faces: &[u32],
+    chart: u32,
     length: f64,
     axis: DVec2,
     limits: &Limits,
 ) -> Option<Vec<Vec<u32>>> {
+    let faces = &work.faces[chart as usize];
     let center = |f: u32| (0..3).map(|k| work.uv[3 * f as usize + k].dot(axis)).sum::<f64>() / 3.0;
-    let all: Vec<DVec2> = faces
-        .iter()
-        .flat_map(|&f| (0..3).map(move |k| 3 * f as usize + k))
-        .map(|c| work.uv[c])
-        .collect();
+    let corners = faces.iter().flat_map(|&f| (0..3).map(move |k| 3 * f as usize + k));
+    let all: Vec<DVec2> = corners.map(|c| work.uv[c]).collect();
     let low = span(&all, axis).0;
     let count = (length / limits.length).ceil().min(PIECES);
     let mut strip = vec![NONE; work.mesh.len()];
@@ -102,17 +85,26 @@ fn divide(
         work.glued[h as usize] && strip[h as usize / 3] == strip[t as usize / 3]
     };
     let pieces = work.mesh.components(faces, same);
-    let glued: Vec<bool> =
-        (0..work.glued.len() as u32).map(|h| work.glued[h as usize] && same(h)).collect();
-    // A piece may touch itself at a corner where the strip beside it ends.
-    let sound = |piece: &Vec<u32>| {
-        let cut = work.mesh.cut_open(piece.clone(), &glued);
-        let uv = work.map_of(&cut);
-        extent(&uv).length <= SHORTER * length
-            && quality(&cut.disk, &uv).mean - 1.0 <= limits.bound
-            && is_sound(&cut.disk, &uv, limits.clearance)
+    let shorter = |piece: &Vec<u32>| {
+        let map = sound_map(work, piece, same, limits);
+        map.is_some_and(|uv| extent(&uv).length <= SHORTER * length)
     };
-    (pieces.len() as f64 <= 2.0 * count && pieces.iter().all(sound)).then_some(pieces)
+    (pieces.len() as f64 <= 2.0 * count && pieces.iter().all(shorter)).then_some(pieces)
+}
+
+/// The map of a piece that hangs together by the edges of which `glued` says so, if it can stand alone: a
+/// piece may touch itself at a corner, or have all of a chart's distortion.
+pub fn sound_map(
+    work: &Patchwork,
+    piece: &[u32],
+    glued: impl Fn(u32) -> bool,
+    limits: &Limits,
+) -> Option<Vec<DVec2>> {
+    let cut = work.mesh.cut_open_where(piece.to_vec(), glued);
+    let uv = work.map_of(&cut);
+    let sound = quality(&cut.disk, &uv).mean - 1.0 <= limits.bound
+        && is_sound(&cut.disk, &uv, limits.clearance);
+    sound.then_some(uv)
 }
 
 #[cfg(test)]

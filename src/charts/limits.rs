@@ -29,6 +29,8 @@ pub fn clearance(surface: &Surface) -> f64 {
 pub struct Limits {
     /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
     pub bound: f64,
+    /// √ΣA.
+    pub size: f64,
     /// λ√ΣA: what a unit of seam (length times cost) is worth in energy times area.
     pub worth: f64,
     /// What one chart less is worth, as a seam: length times cost.
@@ -47,6 +49,7 @@ impl Limits {
         let size = surface.area().sqrt();
         Self {
             bound,
+            size,
             worth: SEAM * bound * size,
             chart: CHART * size,
             length: LENGTH * size,

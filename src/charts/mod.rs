@@ -10,6 +10,7 @@ mod candidates;
 mod chart;
 mod cluster;
 mod collision;
+mod compact;
 mod cost;
 mod extent;
 mod fit;

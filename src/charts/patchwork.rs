@@ -9,7 +9,7 @@ use super::chart::StartKind;
 use super::extent::{Extent, extent};
 use super::fit::Fit;
 use super::part_mesh::{PartMesh, Piece};
-use crate::flatten::UvMap;
+use crate::flatten::{UvMap, quality};
 use crate::mesh::NONE;
 
 /// Charts in the making.
@@ -84,6 +84,36 @@ impl<'a> Patchwork<'a> {
         self.place(chart, piece, fit);
     }
 
+    /// A chart falls into pieces that keep its map: the first stays chart `chart`, the others get new
+    /// numbers. Returns the numbers. Each piece must lie within the chart and be connected.
+    pub fn divide(&mut self, chart: u32, pieces: Vec<Vec<u32>>) -> Vec<u32> {
+        let mut numbers = vec![chart];
+        for (k, faces) in pieces.iter().enumerate() {
+            if k > 0 {
+                numbers.push(self.faces.len() as u32);
+                self.faces.push(Vec::new());
+                self.rims.push(Vec::new());
+                self.extent.push(Extent::default());
+                self.kind.push(StartKind::Weld);
+                self.area.push(0.0);
+                self.energy.push(0.0);
+            }
+            faces.iter().for_each(|&f| self.chart_of[f as usize] = numbers[k]);
+        }
+        for h in pieces.iter().flatten().flat_map(|&f| 3 * f..3 * f + 3) {
+            let t = self.mesh.twin[h as usize];
+            self.glued[h as usize] &=
+                t != NONE && self.chart_of[h as usize / 3] == self.chart_of[t as usize / 3];
+        }
+        for (&number, faces) in numbers.iter().zip(pieces) {
+            let piece = self.mesh.cut_open(faces, &self.glued);
+            let uv = self.map_of(&piece);
+            let energy = quality(&piece.disk, &uv).mean - 1.0;
+            self.take(number, &piece, &Fit { uv, energy, kind: StartKind::Weld });
+        }
+        numbers
+    }
+
     /// Chart `gone` becomes part of `keep`.
     pub fn absorb(&mut self, keep: u32, gone: u32) {
         let faces = std::mem::take(&mut self.faces[gone as usize]);
@@ -91,7 +121,9 @@ impl<'a> Patchwork<'a> {
         self.faces[keep as usize].extend(faces);
         self.faces[keep as usize].sort_unstable();
         self.rims[gone as usize].clear();
-        self.area[keep as usize] += self.area[gone as usize];
+        self.area[keep as usize] += std::mem::take(&mut self.area[gone as usize]);
+        self.extent[gone as usize] = Extent::default();
+        self.energy[gone as usize] = 0.0;
     }
 
     /// The next half-edge of the loop that a chart's border half-edge belongs to.

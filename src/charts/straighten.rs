@@ -35,13 +35,21 @@ const WORK_PER_FACE: usize = 12;
 /// Capacity of what must not be cut, over the cost of the path.
 const UNCUT: f64 = 1e3;
 
-/// Move the seams between the charts, each pair's once. Returns the charts that have changed.
-pub fn straighten(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u32>, Canceled> {
-    let mut allowance = WORK_PER_FACE * work.mesh.len();
+/// Move the seams between the charts in `among` (ascending), each pair's once. Returns the charts that
+/// have changed.
+pub fn straighten(
+    work: &mut Patchwork,
+    among: &[u32],
+    limits: &Limits,
+    run: &Run,
+) -> Result<Vec<u32>, Canceled> {
+    let faces: usize = among.iter().map(|&c| work.faces[c as usize].len()).sum();
+    let mut allowance = WORK_PER_FACE * faces;
     let (mut pairs, mut changed) = (BTreeSet::new(), BTreeSet::new());
-    for a in 0..work.faces.len() as u32 {
+    for &a in among {
         let found = candidates::around(work, a);
-        pairs.extend(found.iter().filter(|c| c.b > a).map(|c| (a, c.b)));
+        let there = |c: &&candidates::Candidate| c.b > a && among.binary_search(&c.b).is_ok();
+        pairs.extend(found.iter().filter(there).map(|c| (a, c.b)));
     }
     for (a, b) in pairs {
         run.cancel.check()?;

@@ -233,7 +233,7 @@ fn a_jagged_seam_is_moved_straight() {
         let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
         work.place(chart, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
     }
-    straighten(&mut work, &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+    straighten(&mut work, &[0, 1], &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
     let seam = |work: &Patchwork| -> f64 {
         let across = |h: &u32| work.across(*h) == Some(1);
         work.rims[0].iter().flatten().filter(|h| across(h)).map(|&h| mesh.length(h)).sum()

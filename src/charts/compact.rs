@@ -1,0 +1,119 @@
+//! Charts that leave much of the page empty, of many branches or bent round, are divided where that
+//! fills it better and the cut is short. Maps stay as they are.
+
+use glam::DVec2;
+
+use super::extent::sound_map;
+use super::limits::Limits;
+use super::patchwork::Patchwork;
+use crate::contract::{Canceled, Run};
+
+/// Directions in which a cut, and a rectangle's side, may run: two thirds of them, and as many again
+/// across.
+const DIRECTIONS: usize = 12;
+
+/// Cuts tried in each direction.
+const CUTS: usize = 15;
+
+/// A chart's rectangle may leave this much of the page empty, over ΣA.
+const EMPTY: f64 = 0.05;
+
+/// What a cut must save of that, over ΣA …
+const SAVED: f64 = 0.02;
+
+/// … and for its length over √ΣA.
+const PRICE: f64 = 0.15;
+
+/// Most pieces of one cut.
+const PIECES: usize = 4;
+
+/// Most cuts of one chart.
+const DEPTH: usize = 8;
+
+/// Divide the charts. Returns those that have changed.
+pub fn compact(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u32>, Canceled> {
+    let mut changed = Vec::new();
+    for chart in 0..work.faces.len() as u32 {
+        let mut waiting = vec![chart];
+        let mut cuts = 0;
+        while let Some(chart) = waiting.pop().filter(|_| cuts < DEPTH) {
+            run.cancel.check()?;
+            if let Some(pieces) = best_cut(work, chart, limits) {
+                waiting.extend(work.divide(chart, pieces));
+                changed.extend(waiting.iter().copied());
+                cuts += 1;
+            }
+        }
+    }
+    changed.sort_unstable();
+    changed.dedup();
+    Ok(changed)
+}
+
+/// Where each face lies along each direction.
+type Along = [f64; DIRECTIONS];
+
+/// The cut that pays best, as the pieces that it leaves.
+fn best_cut(work: &Patchwork, chart: u32, limits: &Limits) -> Option<Vec<Vec<u32>>> {
+    let page = limits.size * limits.size;
+    let (area, extent) = (work.area[chart as usize], work.extent[chart as usize]);
+    if extent.rectangle - area < EMPTY * page {
+        return None;
+    }
+    let faces = &work.faces[chart as usize];
+    let direction =
+        |k: usize| DVec2::from_angle(std::f64::consts::PI * k as f64 / DIRECTIONS as f64);
+    let directions: Vec<DVec2> = (0..DIRECTIONS).map(direction).collect();
+    let mut along = vec![[0.0; DIRECTIONS]; work.mesh.len()];
+    for &f in faces {
+        let center = (0..3).map(|k| work.uv[3 * f as usize + k]).sum::<DVec2>() / 3.0;
+        along[f as usize] = std::array::from_fn(|k| center.dot(directions[k]));
+    }
+    let whole = rectangle(faces, &along);
+    let mut best: Option<(f64, Vec<Vec<u32>>)> = None;
+    for k in 0..DIRECTIONS {
+        let mut places: Vec<f64> = faces.iter().map(|&f| along[f as usize][k]).collect();
+        places.sort_unstable_by(f64::total_cmp);
+        let (low, high) = (places[0], places[places.len() - 1]);
+        for cut in 1..=CUTS {
+            let at = low + (high - low) * cut as f64 / (CUTS + 1) as f64;
+            let beyond = |h: u32| along[h as usize / 3][k] > at;
+            let same =
+                |h: u32| work.glued[h as usize] && beyond(h) == beyond(work.mesh.twin[h as usize]);
+            let length: f64 = faces
+                .iter()
+                .flat_map(|&f| 3 * f..3 * f + 3)
+                .filter(|&h| work.glued[h as usize] && beyond(h) && !same(h))
+                .map(|h| work.mesh.length(h))
+                .sum();
+            let price = SAVED * page + PRICE * limits.size * length;
+            if whole - area < price {
+                continue;
+            }
+            let pieces = work.mesh.components(faces, same);
+            let left: f64 = pieces.iter().map(|piece| rectangle(piece, &along)).sum();
+            let gain = whole - left - price;
+            if pieces.len() <= PIECES
+                && gain > best.as_ref().map_or(0.0, |b| b.0)
+                && pieces.iter().all(|piece| sound_map(work, piece, same, limits).is_some())
+            {
+                best = Some((gain, pieces));
+            }
+        }
+    }
+    best.map(|(_, pieces)| pieces)
+}
+
+/// Area of the smallest rectangle around the faces' centres, of those along the directions.
+fn rectangle(faces: &[u32], along: &[Along]) -> f64 {
+    let mut spans = [[f64::INFINITY, f64::NEG_INFINITY]; DIRECTIONS];
+    for &f in faces {
+        for (span, x) in spans.iter_mut().zip(along[f as usize]) {
+            *span = [span[0].min(x), span[1].max(x)];
+        }
+    }
+    let length = |k: usize| spans[k % DIRECTIONS][1] - spans[k % DIRECTIONS][0];
+    (0..DIRECTIONS / 2)
+        .map(|k| length(k) * length(k + DIRECTIONS / 2))
+        .fold(f64::INFINITY, f64::min)
+}
