@@ -77,6 +77,17 @@ fn training_runs_on_doubly_curved_charts_and_says_what_it_gained() {
 }
 
 #[test]
+fn the_best_quality_trains_the_seams_and_never_loses_by_it() {
+    let options = UnwrapOptions { quality: Quality::Best, steps: 20, points: 64, ..quick() };
+    let metrics = unwrap_example("chair_small.glb", &options).metrics;
+    let joint = metrics.atlas.joint_seams.unwrap();
+    assert!(joint.pieces > 0 && joint.kept <= joint.pieces, "{joint:?}");
+    assert!(joint.gain.is_some_and(|gain| gain >= 0.0), "{joint:?}");
+    assert!(metrics.atlas.certificate.valid);
+    assert_eq!(unwrap_example("chair_small.glb", &quick()).metrics.atlas.joint_seams, None);
+}
+
+#[test]
 fn quality_fast_trains_nothing() {
     let m =
         unwrap_example("table.glb", &UnwrapOptions { quality: Quality::Fast, ..quick() }).metrics;

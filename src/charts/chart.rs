@@ -44,7 +44,7 @@ pub enum StartKind {
 }
 
 /// Faces that are flattened together.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
     /// The part it belongs to.
     pub part: u32,

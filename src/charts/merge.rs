@@ -33,7 +33,9 @@ const AHEAD: usize = 16;
 
 /// Candidates; those that save most seam for the faces that must be flattened come first, so that small
 /// charts are joined before large ones and the work is not spent on a few.
-struct Queue {
+struct Queue<'a> {
+    /// How far a soft map has left each half-edge open, where that decides.
+    openness: Option<&'a [f32]>,
     heap: BinaryHeap<(u64, Reverse<u32>)>,
     /// Each with the versions of its charts when it was found.
     waiting: Vec<Option<(Candidate, [u32; 2])>>,
@@ -45,9 +47,17 @@ struct Queue {
     defects: Vec<f64>,
 }
 
-impl Queue {
+impl Queue<'_> {
     fn versions(&self, candidate: &Candidate) -> [u32; 2] {
         [candidate.a, candidate.b].map(|c| self.version[c as usize])
+    }
+
+    /// How far a soft map has closed a path, 0 to 1; 1 where there is none.
+    fn closed(&self, path: &[u32]) -> f64 {
+        let Some(openness) = self.openness else { return 1.0 };
+        let known = path.iter().map(|&h| f64::from(openness[h as usize])).filter(|o| !o.is_nan());
+        let (sum, count) = known.fold((0.0, 0u32), |(s, n), o| (s + o, n + 1));
+        if count > 0 { 1.0 - sum / f64::from(count) } else { 1.0 }
     }
 
     /// Queue a candidate; one that failed before, in its halves.
@@ -58,7 +68,7 @@ impl Queue {
             }
             return;
         }
-        let seam = candidate.cost(work);
+        let seam = candidate.cost(work) * self.closed(&candidate.path);
         let other =
             if candidate.a == candidate.b { 0 } else { work.faces[candidate.b as usize].len() };
         let size = work.faces[candidate.a as usize].len() + other;
@@ -113,15 +123,17 @@ impl Queue {
 }
 
 /// Close paths about the charts in `among` (ascending), and about what becomes of them, until none is left
-/// that may be.
-pub fn merge(
+/// that may be. With an `openness` (0 to 1, one a local half-edge) those that are closed already come first.
+pub fn merge<'a>(
     work: &mut Patchwork,
     among: &[u32],
+    openness: Option<&'a [f32]>,
     limits: &Limits,
     run: &Run,
 ) -> Result<(), Canceled> {
     let charts = work.faces.len();
     let mut queue = Queue {
+        openness,
         heap: BinaryHeap::new(),
         waiting: Vec::new(),
         version: vec![0; charts],

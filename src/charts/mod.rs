@@ -17,8 +17,11 @@ mod fit;
 mod limits;
 mod merge;
 mod open;
+mod over_cut;
 mod part_mesh;
+mod patches;
 mod patchwork;
+mod sides;
 mod split;
 mod straighten;
 mod tube;
@@ -27,7 +30,8 @@ mod visibility;
 #[cfg(test)]
 mod tests;
 
-pub use build::{ChartOptions, build, split_chart};
+pub use build::{Arms, Built, ChartOptions, build, build_jointly, split_chart};
 pub use chart::{Chart, ChartShape, StartKind};
 pub use fit::is_sound;
 pub use limits::clearance;
+pub use over_cut::{OverCutPart, Seam, over_cut};

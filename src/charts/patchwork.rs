@@ -13,6 +13,7 @@ use crate::flatten::{UvMap, quality};
 use crate::mesh::NONE;
 
 /// Charts in the making.
+#[derive(Clone)]
 pub struct Patchwork<'a> {
     /// The part.
     pub mesh: &'a PartMesh<'a>,

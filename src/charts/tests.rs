@@ -242,3 +242,38 @@ fn a_jagged_seam_is_moved_straight() {
     assert!(work.energy.iter().all(|&e| e.abs() < 1e-9));
     assert!((work.area.iter().sum::<f64>() - f64::from(n * n)).abs() < 1e-9);
 }
+
+#[test]
+fn an_over_cut_box_is_laid_out_along_a_tree_of_its_edges() {
+    let s = solid_box(3.0, 2.0, 1.0);
+    let options = ChartOptions { distortion_bound: 0.01 };
+    let parts = over_cut(&s, &vec![0; s.face_count()], &options, 100, &Run::quiet()).unwrap();
+    let [part] = &parts[..] else { panic!("{} parts", parts.len()) };
+    assert_eq!((part.seams.len(), part.disk.positions.len()), (12, 24), "six faces, twelve edges");
+    assert!(quality(&part.disk, &part.start).max - 1.0 < 1e-9);
+    let gap = |seam: &&Seam| {
+        let [[i, j], [k, l]] = seam.sides.map(|side| side.map(|v| part.start[v as usize]));
+        i.distance(k) + j.distance(l) < 1e-9
+    };
+    let closed: Vec<&Seam> = part.seams.iter().filter(gap).collect();
+    assert_eq!(closed.len(), 5, "a tree over six faces");
+    // The dearest edges are the longest: all four of length 3.
+    assert_eq!(closed.iter().filter(|seam| (seam.length - 3.0).abs() < 1e-9).count(), 3);
+    assert!(
+        over_cut(&s, &vec![0; s.face_count()], &options, 23, &Run::quiet()).unwrap().is_empty()
+    );
+}
+
+#[test]
+fn what_a_soft_map_leaves_open_decides_where_a_box_is_cut_or_is_no_better() {
+    let s = beside_a_plate(&solid_box(3.0, 2.0, 1.0));
+    let options = ChartOptions { distortion_bound: 0.01 };
+    let part_of: Vec<u32> = (0..s.face_count() as u32).map(|f| u32::from(f >= 12)).collect();
+    // Knows of the box alone, and nothing useful.
+    let openness: Vec<f32> =
+        (0..s.twin.len()).map(|h| if h < 36 { 0.5 } else { f32::NAN }).collect();
+    let built = build_jointly(&s, &part_of, &options, Some(&openness), &Run::quiet()).unwrap();
+    let [arms] = built.arms[..] else { panic!("{:?}", built.arms) };
+    assert_eq!(arms.control, arms.joint, "all alike is no order");
+    assert_eq!(built.charts, build(&s, &part_of, &options, &Run::quiet()).unwrap());
+}

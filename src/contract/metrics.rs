@@ -197,6 +197,9 @@ pub struct AtlasMetrics {
     /// vertex of a chart of area A.
     #[schema(required)]
     pub developable: Option<f64>,
+    /// What training the seams was worth; null where it was not tried (`quality` below `best`).
+    #[schema(required)]
+    pub joint_seams: Option<JointSeams>,
     /// The figures of all faces together.
     #[serde(flatten)]
     pub figures: Figures,
@@ -233,6 +236,19 @@ pub enum ChartForm {
     Start,
     /// The classical fallback.
     Uvunwrap,
+}
+
+/// Seams found by training them with the maps, against joining alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+pub struct JointSeams {
+    /// Connected pieces of parts that were joined both ways.
+    pub pieces: u32,
+    /// Of those, how many keep the trained seams.
+    pub kept: u32,
+    /// By which share the objective (energy, seam cost and charts) of all of them fell below joining
+    /// alone; null where there was no piece.
+    #[schema(required)]
+    pub gain: Option<f64>,
 }
 
 /// What each way to the map reached (symmetric Dirichlet, 1 is isometric). Arms that did not run

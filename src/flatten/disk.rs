@@ -7,7 +7,7 @@ use glam::{DMat2, DVec2, DVec3};
 pub type UvMap = Vec<DVec2>;
 
 /// A triangle mesh to be flattened.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Disk {
     /// Vertex positions, world units.
     pub positions: Vec<DVec3>,

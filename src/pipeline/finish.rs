@@ -11,7 +11,7 @@ use super::parts::Found;
 use crate::atlas::{self, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, StartKind};
 use crate::contract::{
-    Certificate, ChartForm, DoubleSided, OptionError, Run, Stage, UnwrapOptions,
+    Certificate, ChartForm, DoubleSided, JointSeams, OptionError, Run, Stage, UnwrapOptions,
 };
 use crate::flatten::{self, UvMap};
 
@@ -35,6 +35,8 @@ pub struct Finished {
     pub grid: Grid,
     /// The proofs.
     pub certificates: AtlasCertificates,
+    /// What training the seams was worth, where it was tried.
+    pub joint_seams: Option<JointSeams>,
 }
 
 /// Place and certify; divide what fails.
@@ -134,7 +136,7 @@ fn place(
         shared_sheets: options.double_sided == DoubleSided::Share,
     };
     let certificates = atlas::certify_atlas(&on_pages, &demands);
-    Ok(Finished { charts, uvs: rounded.uvs, pages, page_of, grid, certificates })
+    Ok(Finished { charts, uvs: rounded.uvs, pages, page_of, grid, certificates, joint_seams: None })
 }
 
 /// A chart as the islands of the classical unwrapper.

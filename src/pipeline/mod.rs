@@ -8,6 +8,7 @@ mod error;
 mod extras;
 mod faces;
 mod finish;
+mod joint;
 mod maps;
 mod neural;
 mod parts;
@@ -24,6 +25,7 @@ use crate::device::Device;
 use crate::mesh::{self, Scene};
 use crate::segmentation::PartLabels;
 use clock::Clock;
+use finish::Finished;
 
 /// A mesh as it was uploaded.
 #[derive(Debug, Clone, Copy)]
@@ -101,7 +103,8 @@ fn unwrap_scene(
     if options.stop_after == Some(StopAfter::Segmentation) {
         return report::segmentation_only(&found, device, run, clock);
     }
-    let charts = charting::charts(&found, options, run, &mut clock)?;
+    let charting::Cut { charts, joint_seams } =
+        charting::charts(&found, options, device, run, &mut clock)?;
     let untrained = options.stop_after == Some(StopAfter::Charts);
     let mapped = if untrained {
         maps::untrained(charts)
@@ -109,5 +112,6 @@ fn unwrap_scene(
         maps::trained(&found, charts, options, device, run, &mut clock)?
     };
     let finished = finish::pack_and_certify(&found, mapped, options, run, &mut clock)?;
+    let finished = Finished { joint_seams, ..finished };
     report::whole(scene, &found, &finished, options, device, run, clock)
 }

@@ -3,13 +3,13 @@
 //! Training takes at most [`SHARE`] of a job's expected time. That time is counted from the work
 //! (faces), never from the clock, so that the same input gives the same result.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::parts::Found;
 use crate::charts::boundary::BoundaryFeatures;
 use crate::charts::{Chart, ChartShape};
 use crate::contract::{Quality, UnwrapOptions};
-use crate::flatten;
+use crate::flatten::{self, Disk};
 use crate::parameterization::TrainChart;
 use crate::parameterization::losses::CylinderTarget;
 
@@ -67,40 +67,66 @@ pub fn inputs<'a>(found: &Found, charts: &'a [Chart], chosen: &[usize]) -> Vec<T
     if chosen.is_empty() {
         return Vec::new();
     }
-    let labels: Vec<u32> =
-        found.cloud.faces.iter().map(|&f| found.parts.labels[f as usize]).collect();
-    let features = BoundaryFeatures::new(&found.cloud, &labels);
-    let creased = creased_vertices(found);
-    chosen.iter().map(|&i| input(&charts[i], &features, &creased)).collect()
+    let told = Vertices::of(found);
+    let of = |&i: &usize| {
+        let chart = &charts[i];
+        // The first face: it stays the same whatever happens to other charts.
+        let id = chart.faces.first().map_or(0, |&f| u64::from(f));
+        let cylinder = match chart.shape {
+            ChartShape::General => None,
+            ChartShape::Tubular { origin, axis, radius, taper } => {
+                Some(CylinderTarget::new(&chart.disk, origin, axis, radius, taper))
+            }
+        };
+        let input = input(&chart.disk, &chart.vertices, &chart.start, &told, id);
+        TrainChart { cylinder, ..input }
+    };
+    chosen.iter().map(of).collect()
 }
 
-fn input<'a>(chart: &'a Chart, features: &BoundaryFeatures, creased: &[bool]) -> TrainChart<'a> {
-    let disk = &chart.disk;
+/// What the networks are told of the surface's vertices.
+pub struct Vertices {
+    features: BoundaryFeatures,
+    creased: Vec<bool>,
+}
+
+impl Vertices {
+    /// Boundary features of the cloud, and creases.
+    pub fn of(found: &Found) -> Self {
+        let labels: Vec<u32> =
+            found.cloud.faces.iter().map(|&f| found.parts.labels[f as usize]).collect();
+        let features = BoundaryFeatures::new(&found.cloud, &labels);
+        Self { features, creased: creased_vertices(found) }
+    }
+}
+
+/// A disk to be trained, without a cylinder or seams to close. `vertices`: vertex of the surface that each
+/// vertex of the disk stands for.
+pub fn input<'a>(
+    disk: &'a Disk,
+    vertices: &[u32],
+    start: &'a [DVec2],
+    told: &Vertices,
+    id: u64,
+) -> TrainChart<'a> {
     let mut normals = vec![DVec3::ZERO; disk.positions.len()];
     for triangle in &disk.triangles {
         let [a, b, c] = triangle.map(|v| disk.positions[v as usize]);
         let normal = (b - a).cross(c - a);
         triangle.iter().for_each(|&v| normals[v as usize] += normal);
     }
-    let (rho, boundary) = features.at(&disk.positions);
-    let crease = |&v: &u32| if creased[v as usize] { 1.0 } else { 0.0 };
-    let cylinder = match chart.shape {
-        ChartShape::General => None,
-        ChartShape::Tubular { origin, axis, radius, taper } => {
-            Some(CylinderTarget::new(disk, origin, axis, radius, taper))
-        }
-    };
+    let (rho, boundary) = told.features.at(&disk.positions);
+    let crease = |&v: &u32| if told.creased[v as usize] { 1.0 } else { 0.0 };
     TrainChart {
         disk,
-        start: &chart.start,
+        start,
         normals: normals.into_iter().map(DVec3::normalize_or_zero).collect(),
         rho,
         boundary,
-        crease: chart.vertices.iter().map(crease).collect(),
-        cylinder,
+        crease: vertices.iter().map(crease).collect(),
+        cylinder: None,
         over_cut: None,
-        // The first face: it stays the same whatever happens to other charts.
-        id: chart.faces.first().map_or(0, |&f| u64::from(f)),
+        id,
     }
 }
 

@@ -65,6 +65,7 @@ pub fn whole(
             certificate: finished.certificates.atlas.clone(),
             packing_efficiency,
             developable: metrics::developable(&measured),
+            joint_seams: finished.joint_seams,
             figures: figures.atlas.clone(),
         },
         parts: parts(found, finished, &figures),
