@@ -65,8 +65,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     let groups = EdgeGroups::new(&triangles, &usable);
     number_components(&mut origins, &groups);
     let components: Vec<u32> = origins.iter().map(|o| o.component).collect();
-    let turned = if seams_at_turned_faces(&groups, &reversed) { &reversed[..] } else { &[] };
-    let faces = FaceTraits { normals: &normals, components: &components, turned };
+    let faces = FaceTraits { normals: &normals, components: &components, turned: &reversed };
     let twin = pair(&triangles, &faces, &groups);
     run.cancel.check()?;
     let sheet_mate = sheet_mates(&triangles, &usable);
@@ -95,19 +94,6 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         diagonal,
         repairs,
     })
-}
-
-/// Most edges between a turned face and one that is not, as a share of all inner edges, for such
-/// edges to become seams.
-const TURNED_EDGES: f64 = 0.3;
-
-/// Whether seams go between faces that were turned over and their neighbours. A renderer takes the
-/// handedness of a texture from the file's winding, so that a chart of both windings is mirrored in
-/// places; but where windings are mixed all over, such seams would leave single triangles.
-fn seams_at_turned_faces(groups: &EdgeGroups, reversed: &[bool]) -> bool {
-    let pairs = || groups.iter().filter(|g| g.len() == 2);
-    let differ = |g: &&[u32]| reversed[g[0] as usize / 3] != reversed[g[1] as usize / 3];
-    pairs().filter(differ).count() as f64 <= TURNED_EDGES * pairs().count() as f64
 }
 
 /// Undo the welding at the corners of slivers that it alone would flatten: there, vertices are one

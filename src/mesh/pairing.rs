@@ -53,8 +53,9 @@ pub struct FaceTraits<'a> {
     pub normals: &'a [DVec3],
     /// Connected component within the primitive.
     pub components: &'a [u32],
-    /// Faces that were turned over. A turned face pairs only with turned faces, so that no chart
-    /// holds both windings of the file; empty where that would shatter the mesh.
+    /// Faces that were turned over. A turned face pairs only with turned faces: a renderer takes the
+    /// handedness of a texture from the file's winding, so that a chart of both would be mirrored in
+    /// places.
     pub turned: &'a [bool],
 }
 
@@ -74,7 +75,7 @@ pub fn pair(triangles: &[[u32; 3]], faces: &FaceTraits, groups: &EdgeGroups) -> 
             for (j, &b) in back.iter().enumerate() {
                 let (f, g) = (a as usize / 3, b as usize / 3);
                 let cosine = normals[f].dot(normals[g]);
-                let one_winding = turned.is_empty() || turned[f] == turned[g];
+                let one_winding = turned[f] == turned[g];
                 if cosine > FOLDED && f != g && one_winding {
                     // The same component first, then the flattest; among equals (faces that stand
                     // twice with one winding) the layers keep their order. The cosine is rounded so

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow};
 use serde_json::{Map, Value, json};
 
 use super::files::guarded;
-use super::peer;
+use super::{peer, table};
 use crate::cli::input::Files;
 use crate::contract::{Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions};
 use crate::device::Device;
@@ -17,6 +17,9 @@ use crate::pipeline::{self, Unwrapped};
 
 /// An isometry by this peer's arithmetic: single precision leaves so much.
 const ROUNDING: f64 = 1e-5;
+
+/// By how much the bound may exceed the peer's mean distortion.
+const WIDENINGS: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
 
 /// What is done with each object.
 pub struct Arms<'a> {
@@ -90,18 +93,32 @@ fn unwrap(files: &Files, options: &UnwrapOptions, device: &Device) -> Result<Unw
     Ok(pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())?)
 }
 
-/// The object at no more distortion than the peer has, untrained.
+/// The object at no more distortion than the peer has, untrained. The bound is one for each chart and the
+/// peer's distortion a mean, so that the bound may be wider: it is widened while the mean stays below the
+/// peer's, until the peer is beaten.
 fn matched(files: &Files, ours: &Metrics, peer: &Value, arms: &Arms) -> Result<Value> {
     let Some(limit) = peer["symmetric_dirichlet"].as_f64() else { return Ok(Value::Null) };
     if ours.atlas.figures.symmetric_dirichlet.is_none_or(|e| e <= limit + ROUNDING) {
         return Ok(figures(ours));
     }
-    let options = UnwrapOptions {
-        distortion_bound: (limit - 1.0).max(ROUNDING),
-        quality: Quality::Fast,
-        ..arms.options.clone()
-    };
-    Ok(figures(&unwrap(files, &options, arms.device)?.metrics))
+    let mut best = Value::Null;
+    for widening in WIDENINGS {
+        let options = UnwrapOptions {
+            distortion_bound: widening * (limit - 1.0).max(ROUNDING),
+            quality: Quality::Fast,
+            ..arms.options.clone()
+        };
+        let found = figures(&unwrap(files, &options, arms.device)?.metrics);
+        let within = |e: f64| e <= limit + ROUNDING;
+        if !best.is_null() && !found["symmetric_dirichlet"].as_f64().is_some_and(within) {
+            break;
+        }
+        best = found;
+        if table::dominates(&best, peer) {
+            break;
+        }
+    }
+    Ok(best)
 }
 
 /// The figures of a result that the table asks for.

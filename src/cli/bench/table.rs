@@ -171,13 +171,15 @@ fn dominance(lines: &[&Value]) -> String {
         .copied()
         .filter(|l| l["matched"].is_object() && l["peer"].is_object())
         .collect();
-    count(&both, |l| {
-        let (m, p) = (&l["matched"], &l["peer"]);
-        let (charts, seam) = (number(m, "charts"), number(m, "seam"));
-        number(m, "symmetric_dirichlet") <= number(p, "symmetric_dirichlet") + ROUNDING
-            && (charts < number(p, "charts") || charts == 1.0)
-            && seam <= number(p, "seam") + ROUNDING
-    })
+    count(&both, |l| dominates(&l["matched"], &l["peer"]))
+}
+
+/// Whether figures have fewer charts than the peer's, no longer seams and no more distortion.
+pub fn dominates(ours: &Value, peer: &Value) -> bool {
+    let charts = number(ours, "charts");
+    number(ours, "symmetric_dirichlet") <= number(peer, "symmetric_dirichlet") + ROUNDING
+        && (charts < number(peer, "charts") || charts == 1.0)
+        && number(ours, "seam") <= number(peer, "seam") + ROUNDING
 }
 
 #[cfg(test)]

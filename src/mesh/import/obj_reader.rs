@@ -147,7 +147,8 @@ impl Reader<'_> {
             ));
         }
         self.check_room(self.document.positions.len(), "vertices")?;
-        self.document.positions.push([*x, *y, *z]);
+        // In single precision, as the result will have them: what is flat there is flat here.
+        self.document.positions.push([*x, *y, *z].map(|c| f64::from(c as f32)));
         let held = self.document.positions.len();
         // Colours stand behind x y z, or behind x y z w.
         if let [.., r, g, b] = *more {
