@@ -18,8 +18,18 @@ use super::straighten::straighten;
 use super::tube::{self, Tube};
 use super::visibility::visibility;
 use crate::contract::{Canceled, Run};
+use crate::device::Seeded;
 use crate::flatten;
 use crate::mesh::{NONE, Surface};
+
+/// Orders drawn at random in which a part is joined besides the first …
+const RESTARTS: usize = 4;
+
+/// … of a surface of so many faces or fewer; one of more gets the fewer of them.
+const RESTARTED_FACES: usize = 4_000;
+
+/// Patches below which there is nothing to choose.
+pub const LEAST_PATCHES: usize = 3;
 
 /// Rounds of joining charts and moving their seams.
 const ROUNDS: u32 = 3;
@@ -54,7 +64,7 @@ pub struct Built {
 /// Objective J·ΣA of one piece, joined two ways; the lower one is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arms {
-    /// By what is saved for the work it takes.
+    /// By what is saved for the work it takes, or in the best of the orders drawn at random.
     pub control: f64,
     /// In the order that the soft map says.
     pub joint: f64,
@@ -80,7 +90,9 @@ pub fn build_jointly(
     let limits = Limits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let seen = visibility.as_deref();
-    let how = How { surface, seen, openness, limits: &limits, run };
+    let usable = surface.usable.iter().filter(|&&u| u).count();
+    let restarts = (RESTARTS * RESTARTED_FACES / usable.max(1)).min(RESTARTS) as u64;
+    let how = How { surface, seen, openness, restarts, limits: &limits, run };
     let parts: Result<Vec<Built>, Canceled> = faces
         .into_par_iter()
         .enumerate()
@@ -104,7 +116,7 @@ pub fn split_chart(
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let limits = Limits::new(surface, options.distortion_bound);
-    let how = How { surface, seen: None, openness: None, limits: &limits, run };
+    let how = How { surface, seen: None, openness: None, restarts: 0, limits: &limits, run };
     let mut built = Built::default();
     for half in halves(&mesh, &all) {
         let faces = half.iter().map(|&f| mesh.faces[f as usize]).collect();
@@ -119,6 +131,8 @@ struct How<'a> {
     surface: &'a Surface,
     seen: Option<&'a [f32]>,
     openness: Option<&'a [f32]>,
+    /// Orders to be tried besides the first.
+    restarts: u64,
     limits: &'a Limits,
     run: &'a Run,
 }
@@ -151,17 +165,28 @@ impl How<'_> {
     ) -> Result<(), Canceled> {
         let (limits, run) = (self.limits, self.run);
         let work = patchwork(mesh, sides, limits, run)?;
-        let told =
-            |h: u32| self.openness.map_or(f32::NAN, |o| o[mesh.surface_half_edge(h) as usize]);
-        let openness: Vec<f32> = (0..mesh.twin.len() as u32).map(told).collect();
-        let knows = openness.iter().any(|o| !o.is_nan());
         let mut best = join(work.clone(), None, limits, run)?;
-        if knows {
-            let joint = join(work, Some(&openness), limits, run)?;
-            let [control, soft] = [&best, &joint].map(|work| objective(work, limits));
-            built.arms.push(Arms { control, joint: soft });
-            if soft < control {
-                best = joint;
+        let mut control = objective(&best, limits);
+        let restarts = if work.faces.len() >= LEAST_PATCHES { self.restarts } else { 0 };
+        for k in 0..restarts {
+            let mut random = Seeded::new(0, k);
+            let order: Vec<f32> = mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
+            let other = join(work.clone(), Some(&order), limits, run)?;
+            let reached = objective(&other, limits);
+            if reached < control {
+                (best, control) = (other, reached);
+            }
+        }
+        let told = |o: &[f32]| -> Vec<f32> {
+            (0..mesh.twin.len() as u32).map(|h| o[mesh.surface_half_edge(h) as usize]).collect()
+        };
+        let openness = self.openness.map(told);
+        if let Some(openness) = openness.filter(|o| o.iter().any(|o| !o.is_nan())) {
+            let other = join(work, Some(&openness), limits, run)?;
+            let joint = objective(&other, limits);
+            built.arms.push(Arms { control, joint });
+            if joint < control {
+                best = other;
             }
         }
         shorten(&mut best, limits);

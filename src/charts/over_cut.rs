@@ -8,7 +8,7 @@ use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
 use super::attempt::{Motion, rigid_motion};
-use super::build::{ChartOptions, patchwork, pieces};
+use super::build::{ChartOptions, LEAST_PATCHES, patchwork, pieces};
 use super::candidates;
 use super::cost::edge_cost;
 use super::limits::Limits;
@@ -19,9 +19,6 @@ use super::tube;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{Disk, UvMap};
 use crate::mesh::{NONE, Surface};
-
-/// Patches below which there is nothing to choose.
-const LEAST_PATCHES: usize = 3;
 
 /// A piece of a part, over-cut.
 pub struct OverCutPart {
