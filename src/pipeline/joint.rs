@@ -6,13 +6,19 @@ use super::error::UnwrapError;
 use super::neural::{self, Vertices};
 use super::parts::Found;
 use crate::charts::{self, ChartOptions, OverCutPart};
-use crate::contract::{Run, UnwrapOptions};
+use crate::contract::{Progress, Run, Stage, UnwrapOptions};
 use crate::device::Device;
 use crate::parameterization::losses::{CutEdge, OverCut};
 use crate::parameterization::{self, TrainChart, TrainOptions};
 
 /// Vertices of the largest part whose seams are trained: all of them take part in every step.
 const MOST_VERTICES: usize = 4096;
+
+/// Most steps of a soft map: it says what to join first and need not be finished.
+const MOST_STEPS: u32 = 200;
+
+/// Share of the job's wall clock after which the soft maps are taken as they are.
+const WALL_SHARE: f64 = 0.25;
 
 /// Gap, in radii of the part, at which a seam counts as half open.
 const HALF_OPEN: f64 = 0.05;
@@ -34,8 +40,25 @@ pub fn openness(
     }
     let told = Vertices::of(found);
     let inputs: Vec<TrainChart> = parts.iter().map(|part| input(part, &told)).collect();
-    let options = TrainOptions { points: MOST_VERTICES, ..TrainOptions::from(options) };
-    let trained = parameterization::train(&inputs, &options, device, run, &mut |_, _, _| ())?;
+    let options = TrainOptions {
+        points: MOST_VERTICES,
+        steps: options.steps.min(MOST_STEPS),
+        wall_share: WALL_SHARE,
+        ..TrainOptions::from(options)
+    };
+    let total = inputs.len() as u32;
+    let mut told = |step: u32, steps: u32, finished: &[usize]| {
+        // The other half of the stage is the joining.
+        let fraction = 0.5 * f64::from(step) / f64::from(steps.max(1));
+        let parts_done = finished.len() as u32;
+        run.tell(Progress::Progress {
+            stage: Stage::Charts,
+            fraction,
+            parts_done,
+            parts_total: total,
+        });
+    };
+    let trained = parameterization::train(&inputs, &options, device, run, &mut told)?;
     for (part, map) in parts.iter().zip(trained) {
         let unit = HALF_OPEN * radius(part);
         for seam in &part.seams {

@@ -77,10 +77,9 @@ pub fn trained(
     let chosen = neural::choose(&charts, options);
     let inputs = neural::inputs(found, &charts, &chosen);
     let total = chosen.len() as u32;
-    let mut parts_done = 0;
     let mut told = |step: u32, steps: u32, finished: &[usize]| {
         let fraction = f64::from(step) / f64::from(steps.max(1));
-        parts_done += finished.len() as u32;
+        let parts_done = finished.len() as u32;
         let parts_total = total;
         run.tell(Progress::Progress { stage: Stage::Train, fraction, parts_done, parts_total });
     };
