@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use divan::Bencher;
 use glam::DVec3;
 use rayon::prelude::*;
-use uvsegnet::atlas::{self, Atlas, AtlasCertificates, Demands, PackOptions, Placed};
+use uvsegnet::atlas::{self, Atlas, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use uvsegnet::charts::boundary::BoundaryFeatures;
 use uvsegnet::charts::{self, Chart, ChartOptions};
 use uvsegnet::contract::{Limits, MeshKind, Run, UnwrapOptions};
@@ -100,6 +100,7 @@ impl Job {
             boundary_labels: None,
             page_size: self.atlas.page_size,
             pages: self.atlas.pages,
+            page_of: &[],
             chamfer: &[],
         }
     }
@@ -173,15 +174,24 @@ fn polish(surface: &Surface, charts: &[Chart]) -> Vec<UvMap> {
 }
 
 fn pack(charts: &[Chart], maps: &[UvMap]) -> Atlas {
-    let UnwrapOptions { page_size, padding, .. } = UnwrapOptions::default();
+    let UnwrapOptions { page_size, padding, rotation, block_align, pages, .. } =
+        UnwrapOptions::default();
     let disks: Vec<_> = charts.iter().map(|c| &c.disk).zip(maps).collect();
-    let options = PackOptions { page_size, padding, weights: Vec::new() };
+    let options = PackOptions {
+        page_size,
+        padding,
+        rotation,
+        block_align,
+        pages,
+        grid: Grid::Page,
+        weights: Vec::new(),
+    };
     atlas::pack(&disks, &options, &Run::quiet().cancel).expect("samples fit a page")
 }
 
 fn quantise(surface: &Surface, charts: &[Chart], atlas: &Atlas) -> Vec<UvMap> {
     let disks: Vec<_> = charts.iter().map(|c| &c.disk).zip(&atlas.uvs).collect();
-    atlas::quantise(&disks, surface.diagonal).uvs
+    atlas::quantise(&disks, surface.diagonal, Grid::Page).uvs
 }
 
 fn certify(job: &Job) -> AtlasCertificates {

@@ -124,10 +124,10 @@ impl Queue<'_> {
 
 /// Close paths about the charts in `among` (ascending), and about what becomes of them, until none is left
 /// that may be. With an `openness` (0 to 1, one a local half-edge) those that are closed already come first.
-pub fn merge<'a>(
+pub fn merge(
     work: &mut Patchwork,
     among: &[u32],
-    openness: Option<&'a [f32]>,
+    openness: Option<&[f32]>,
     limits: &Limits,
     run: &Run,
 ) -> Result<(), Canceled> {
