@@ -89,13 +89,6 @@ impl Attempt {
         apart.then_some(Self { candidate, motion: Some(motion), allowed })
     }
 
-    /// Faces that the solve takes on.
-    pub fn size(&self, work: &Patchwork) -> usize {
-        let (a, b) = (self.candidate.a as usize, self.candidate.b as usize);
-        let other = if a == b { 0 } else { work.faces[b].len() };
-        work.faces[a].len() + other
-    }
-
     /// Try to close the path.
     pub fn solve(
         &self,

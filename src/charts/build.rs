@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::chart::{Chart, ChartShape, StartKind};
+use super::chart::{Chart, ChartShape};
 use super::compact::compact;
 use super::cost::edge_cost;
 use super::extent::shorten;
@@ -145,8 +145,7 @@ impl How<'_> {
             self.run.cancel.check()?;
             let piece = PartMesh::new(self.surface, faces).seen(self.seen);
             let tube = tube::fit(&piece);
-            let sides =
-                tube.as_ref().map_or_else(Vec::new, |t| sides(&piece, t, self.limits.bound));
+            let sides = sides(&piece, tube.as_ref(), self.limits.bound);
             self.weld(&piece, part, tube.as_ref(), &sides, &mut built)?;
         }
         built.charts.sort_by_key(|c| c.faces.first().copied());
@@ -265,8 +264,6 @@ fn charts(work: &Patchwork, part: u32, tube: Option<&Tube>, sides: &[Side]) -> V
             }
             None => ChartShape::General,
         };
-        // What was divided for its length is a piece of a weld.
-        let start_kind = work.kind.get(number).copied().unwrap_or(StartKind::Weld);
         charts.push(Chart {
             part,
             faces: piece.faces.iter().map(|&f| mesh.faces[f as usize]).collect(),
@@ -275,7 +272,7 @@ fn charts(work: &Patchwork, part: u32, tube: Option<&Tube>, sides: &[Side]) -> V
             shape,
             start: cut_map.clone(),
             cut_map,
-            start_kind,
+            start_kind: work.kind[number],
         });
     }
     charts

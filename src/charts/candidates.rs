@@ -39,6 +39,12 @@ impl Candidate {
         self.path.iter().map(|&h| edge_cost(work.mesh, h)).sum()
     }
 
+    /// Faces of its charts.
+    pub fn size(&self, work: &Patchwork) -> usize {
+        let other = if self.a == self.b { 0 } else { work.faces[self.b as usize].len() };
+        work.faces[self.a as usize].len() + other
+    }
+
     /// The path in two, parted at its inner vertex of largest angle defect; of a zip only the half
     /// at the tip. Halves that are too thin a neck are left out.
     pub fn halves(&self, work: &Patchwork, defects: &[f64]) -> Vec<Candidate> {

@@ -1,6 +1,8 @@
 //! Charts that leave much of the page empty, of many branches or bent round, are divided where that
 //! fills it better and the cut is short. Maps stay as they are.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 
 use super::extent::sound_map;
@@ -8,8 +10,8 @@ use super::limits::Limits;
 use super::patchwork::Patchwork;
 use crate::contract::{Canceled, Run};
 
-/// Directions in which a cut, and a rectangle's side, may run: two thirds of them, and as many again
-/// across.
+/// Directions over half a turn in which a cut, and a rectangle's side, may run: an even number, so that
+/// each has one across it.
 const DIRECTIONS: usize = 12;
 
 /// Cuts tried in each direction.
@@ -33,12 +35,17 @@ const DEPTH: usize = 8;
 /// Divide the charts. Returns those that have changed.
 pub fn compact(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u32>, Canceled> {
     let mut changed = Vec::new();
+    if !(0..work.faces.len() as u32).any(|chart| is_wasteful(work, chart, limits)) {
+        return Ok(changed);
+    }
+    // Maps stay as they are: where faces lie is worked out once.
+    let along = places(work);
     for chart in 0..work.faces.len() as u32 {
         let mut waiting = vec![chart];
         let mut cuts = 0;
         while let Some(chart) = waiting.pop().filter(|_| cuts < DEPTH) {
             run.cancel.check()?;
-            if let Some(pieces) = best_cut(work, chart, limits) {
+            if let Some(pieces) = best_cut(work, chart, &along, limits) {
                 waiting.extend(work.divide(chart, pieces));
                 changed.extend(waiting.iter().copied());
                 cuts += 1;
@@ -53,28 +60,38 @@ pub fn compact(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u
 /// Where each face lies along each direction.
 type Along = [f64; DIRECTIONS];
 
+/// The centres of all faces.
+fn places(work: &Patchwork) -> Vec<Along> {
+    let directions: [DVec2; DIRECTIONS] =
+        std::array::from_fn(|k| DVec2::from_angle(PI * k as f64 / DIRECTIONS as f64));
+    let place = |corners: &[DVec2]| {
+        let center = corners.iter().sum::<DVec2>() / 3.0;
+        directions.map(|direction| center.dot(direction))
+    };
+    work.uv.chunks_exact(3).map(place).collect()
+}
+
+fn is_wasteful(work: &Patchwork, chart: u32, limits: &Limits) -> bool {
+    let empty = work.extent[chart as usize].rectangle - work.area[chart as usize];
+    empty >= EMPTY * limits.size * limits.size
+}
+
 /// The cut that pays best, as the pieces that it leaves.
-fn best_cut(work: &Patchwork, chart: u32, limits: &Limits) -> Option<Vec<Vec<u32>>> {
-    let page = limits.size * limits.size;
-    let (area, extent) = (work.area[chart as usize], work.extent[chart as usize]);
-    if extent.rectangle - area < EMPTY * page {
+fn best_cut(
+    work: &Patchwork,
+    chart: u32,
+    along: &[Along],
+    limits: &Limits,
+) -> Option<Vec<Vec<u32>>> {
+    if !is_wasteful(work, chart, limits) {
         return None;
     }
+    let (page, area) = (limits.size * limits.size, work.area[chart as usize]);
     let faces = &work.faces[chart as usize];
-    let direction =
-        |k: usize| DVec2::from_angle(std::f64::consts::PI * k as f64 / DIRECTIONS as f64);
-    let directions: Vec<DVec2> = (0..DIRECTIONS).map(direction).collect();
-    let mut along = vec![[0.0; DIRECTIONS]; work.mesh.len()];
-    for &f in faces {
-        let center = (0..3).map(|k| work.uv[3 * f as usize + k]).sum::<DVec2>() / 3.0;
-        along[f as usize] = std::array::from_fn(|k| center.dot(directions[k]));
-    }
-    let whole = rectangle(faces, &along);
+    let (spans, whole) = (spans(faces, along), rectangle(faces, along));
     let mut best: Option<(f64, Vec<Vec<u32>>)> = None;
     for k in 0..DIRECTIONS {
-        let mut places: Vec<f64> = faces.iter().map(|&f| along[f as usize][k]).collect();
-        places.sort_unstable_by(f64::total_cmp);
-        let (low, high) = (places[0], places[places.len() - 1]);
+        let [low, high] = spans[k];
         for cut in 1..=CUTS {
             let at = low + (high - low) * cut as f64 / (CUTS + 1) as f64;
             let beyond = |h: u32| along[h as usize / 3][k] > at;
@@ -91,7 +108,7 @@ fn best_cut(work: &Patchwork, chart: u32, limits: &Limits) -> Option<Vec<Vec<u32
                 continue;
             }
             let pieces = work.mesh.components(faces, same);
-            let left: f64 = pieces.iter().map(|piece| rectangle(piece, &along)).sum();
+            let left: f64 = pieces.iter().map(|piece| rectangle(piece, along)).sum();
             let gain = whole - left - price;
             if pieces.len() <= PIECES
                 && gain > best.as_ref().map_or(0.0, |b| b.0)
@@ -104,14 +121,20 @@ fn best_cut(work: &Patchwork, chart: u32, limits: &Limits) -> Option<Vec<Vec<u32
     best.map(|(_, pieces)| pieces)
 }
 
-/// Area of the smallest rectangle around the faces' centres, of those along the directions.
-fn rectangle(faces: &[u32], along: &[Along]) -> f64 {
+/// From where to where the faces' centres reach along each direction.
+fn spans(faces: &[u32], along: &[Along]) -> [[f64; 2]; DIRECTIONS] {
     let mut spans = [[f64::INFINITY, f64::NEG_INFINITY]; DIRECTIONS];
     for &f in faces {
         for (span, x) in spans.iter_mut().zip(along[f as usize]) {
             *span = [span[0].min(x), span[1].max(x)];
         }
     }
+    spans
+}
+
+/// Area of the smallest rectangle around the faces' centres, of those along the directions.
+fn rectangle(faces: &[u32], along: &[Along]) -> f64 {
+    let spans = spans(faces, along);
     let length = |k: usize| spans[k % DIRECTIONS][1] - spans[k % DIRECTIONS][0];
     (0..DIRECTIONS / 2)
         .map(|k| length(k) * length(k + DIRECTIONS / 2))

@@ -1,8 +1,8 @@
-//! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). Seam is closed a
-//! path at a time, first where most is saved for the work it takes. A path is closed if the union stays within the distortion bound,
-//! is proved injective, and the objective J = ΣA·SD/ΣA + λ Σℓc/√ΣA falls. Two disks joined along one
-//! path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two sides lie side
-//! by side already is closed to a hole.
+//! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). Seam is closed a path at a
+//! time, first where most is saved for the work it takes. A path is closed if the union stays within the
+//! distortion bound, is proved injective, and the objective J = ΣA·SD/ΣA + λ Σℓc/√ΣA falls. Two disks
+//! joined along one path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two
+//! sides lie side by side already is closed to a hole.
 //!
 //! A path that cannot be closed as a whole is tried again in two halves, parted where the surface is
 //! bent most (largest angle defect): two faces of a box meet along one straight edge, the cap of a
@@ -69,11 +69,8 @@ impl Queue<'_> {
             return;
         }
         let seam = candidate.cost(work) * self.closed(&candidate.path);
-        let other =
-            if candidate.a == candidate.b { 0 } else { work.faces[candidate.b as usize].len() };
-        let size = work.faces[candidate.a as usize].len() + other;
-        self.heap
-            .push(((seam / (size as f64).sqrt()).to_bits(), Reverse(self.waiting.len() as u32)));
+        let worth = seam / (candidate.size(work) as f64).sqrt();
+        self.heap.push((worth.to_bits(), Reverse(self.waiting.len() as u32)));
         let versions = self.versions(&candidate);
         self.waiting.push(Some((candidate, versions)));
     }
@@ -98,7 +95,7 @@ impl Queue<'_> {
                 self.fail(work, candidate);
                 continue;
             };
-            if let Some(left) = allowance.checked_sub(attempt.size(work)) {
+            if let Some(left) = allowance.checked_sub(attempt.candidate.size(work)) {
                 *allowance = left;
                 busy.extend([candidate.a, candidate.b]);
                 batch.push(attempt);

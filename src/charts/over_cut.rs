@@ -83,7 +83,7 @@ fn over_cut_piece(
 ) -> Result<Option<OverCutPart>, Canceled> {
     run.cancel.check()?;
     let tube = tube::fit(mesh);
-    let sides = tube.as_ref().map_or_else(Vec::new, |t| sides(mesh, t, limits.bound));
+    let sides = sides(mesh, tube.as_ref(), limits.bound);
     let work = patchwork(mesh, &sides, limits, run)?;
     if work.faces.len() < LEAST_PATCHES {
         return Ok(None);

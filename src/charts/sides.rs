@@ -18,7 +18,8 @@ pub struct Side {
 }
 
 /// The sides of a tube that open to a disk and unroll within the bound.
-pub fn sides(mesh: &PartMesh, tube: &Tube, bound: f64) -> Vec<Side> {
+pub fn sides(mesh: &PartMesh, tube: Option<&Tube>, bound: f64) -> Vec<Side> {
+    let Some(tube) = tube else { return Vec::new() };
     let mut lateral = vec![false; mesh.len()];
     tube.lateral.iter().for_each(|&f| lateral[f as usize] = true);
     let same = |h: u32| lateral[mesh.twin[h as usize] as usize / 3];

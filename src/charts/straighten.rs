@@ -60,11 +60,13 @@ pub fn straighten(
         let paths = candidates::around(work, a).into_iter().filter(|c| c.b == b && !c.zip);
         let longest = paths.max_by(|c, d| c.cost(work).total_cmp(&d.cost(work)));
         let Some(path) = longest.map(|c| c.path).filter(|path| path.len() > 1) else { continue };
-        if let Some(motion) = rigid_motion(work, &path).map(|(motion, _)| motion)
-            && let Some(deal) = deal_anew(work, [a, b], &path)
+        let seam: BTreeSet<u32> =
+            path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
+        if let Some((motion, _)) = rigid_motion(work, &path)
+            && let Some(deal) = deal_anew(work, [a, b], &seam)
         {
             allowance -= size;
-            if keep_if_better(work, [a, b], &path, &deal, motion, limits, run)? {
+            if keep_if_better(work, [a, b], &seam, &deal, motion, limits, run)? {
                 changed.extend([a, b]);
             }
         }
@@ -80,15 +82,14 @@ struct Deal {
     saved: f64,
 }
 
-/// The cheapest seam within the collar about a path, if it is worth trying.
-fn deal_anew(work: &Patchwork, [a, b]: [u32; 2], path: &[u32]) -> Option<Deal> {
-    let cost: f64 = path.iter().map(|&h| edge_cost(work.mesh, h)).sum();
-    let mut seam: BTreeSet<u32> = path.iter().copied().collect();
-    seam.extend(path.iter().map(|&h| work.mesh.twin[h as usize]));
+/// The cheapest seam within the collar about a seam (both half-edges of each of its edges), if it is worth
+/// trying.
+fn deal_anew(work: &Patchwork, [a, b]: [u32; 2], seam: &BTreeSet<u32>) -> Option<Deal> {
+    let cost = 0.5 * seam.iter().map(|&h| edge_cost(work.mesh, h)).sum::<f64>();
     let mut width = COLLAR * work.area[a as usize].min(work.area[b as usize]).sqrt();
     for _ in 0..=HALVINGS {
-        let collar = collar(work, [a, b], &seam, width);
-        if let Some(deal) = cut(work, [a, b], &seam, &collar, cost) {
+        let collar = collar(work, [a, b], seam, width);
+        if let Some(deal) = cut(work, [a, b], seam, &collar, cost) {
             return (deal.saved > WORTHWHILE * cost).then_some(deal);
         }
         width *= 0.5;
@@ -96,10 +97,10 @@ fn deal_anew(work: &Patchwork, [a, b]: [u32; 2], path: &[u32]) -> Option<Deal> {
     None
 }
 
-/// The edges over which the cut is sought: those that are closed, and the seam's.
+/// The half-edge across, where a face may change hands over the edge: where it is closed, and at the seam.
 fn crossing(work: &Patchwork, seam: &BTreeSet<u32>, h: u32) -> Option<u32> {
-    let open = work.glued[h as usize] || seam.contains(&h);
-    open.then(|| work.mesh.twin[h as usize]).filter(|&t| t != NONE)
+    let passes = work.glued[h as usize] || seam.contains(&h);
+    passes.then(|| work.mesh.twin[h as usize]).filter(|&t| t != NONE)
 }
 
 /// Faces of two charts whose centres are no farther from the seam's faces than `width`, over faces.
@@ -181,17 +182,16 @@ fn cut(
 fn keep_if_better(
     work: &mut Patchwork,
     [a, b]: [u32; 2],
-    path: &[u32],
+    seam: &BTreeSet<u32>,
     deal: &Deal,
     motion: Motion,
     limits: &Limits,
     run: &Run,
 ) -> Result<bool, Canceled> {
-    let seam: BTreeSet<u32> = path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
     let owner = |f: u32| deal.faces.get(&f).copied().unwrap_or(work.chart_of[f as usize]);
     let mut changed = Vec::new();
     for h in deal.faces.keys().flat_map(|&f| 3 * f..3 * f + 3) {
-        if let Some(t) = crossing(work, &seam, h) {
+        if let Some(t) = crossing(work, seam, h) {
             let closed = owner(h / 3) == owner(t / 3);
             if closed != work.glued[h as usize] {
                 changed.push((h, closed));

@@ -5,11 +5,13 @@ use std::collections::HashMap;
 use glam::DVec3;
 use proptest::prelude::*;
 
+use super::compact::compact;
 use super::fit::Fit;
 use super::limits::Limits;
 use super::part_mesh::PartMesh;
 use super::patchwork::Patchwork;
 use super::straighten::straighten;
+use super::visibility::visibility;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
@@ -276,4 +278,44 @@ fn what_a_soft_map_leaves_open_decides_where_a_box_is_cut_or_is_no_better() {
     let [arms] = built.arms[..] else { panic!("{:?}", built.arms) };
     assert_eq!(arms.control, arms.joint, "all alike is no order");
     assert_eq!(built.charts, build(&s, &part_of, &options, &Run::quiet()).unwrap());
+}
+
+#[test]
+fn an_angle_of_two_arms_is_divided_where_they_meet_and_a_square_is_not() {
+    // A flat L: two arms, 10 long and 1 wide, of unit squares; and a square of as many.
+    let l: Vec<(u32, u32)> = (0..10).map(|i| (i, 0)).chain((1..10).map(|j| (0, j))).collect();
+    let square: Vec<(u32, u32)> = (0..16).map(|i| (i % 4, i / 4)).collect();
+    for (cells, pieces) in [(l, 2), (square, 1)] {
+        let corner = |i: u32| DVec3::new(f64::from(i % 11), f64::from(i / 11), 0.0);
+        let cell = |&(i, j): &(u32, u32)| {
+            let v = 11 * j + i;
+            [v, v + 1, v + 12, v + 11]
+        };
+        let sheets: Vec<[u32; 4]> = cells.iter().map(cell).collect();
+        let s = quads((0..121).map(corner).collect(), &sheets);
+        let mesh = PartMesh::new(&s, (0..s.face_count() as u32).collect());
+        let glued = mesh.twin.iter().map(|&t| t != NONE).collect();
+        let mut work = Patchwork::new(&mesh, vec![0; mesh.len()], glued);
+        let piece = mesh.cut_open(work.faces[0].clone(), &work.glued);
+        let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
+        work.place(0, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
+        let changed = compact(&mut work, &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+        assert_eq!(work.faces.len(), pieces);
+        assert_eq!(changed.len(), if pieces > 1 { pieces } else { 0 });
+        let left: f64 = work.extent.iter().map(|e| e.rectangle).sum();
+        assert!((left - cells.len() as f64).abs() < 1e-9, "{left}: nothing is left empty");
+    }
+}
+
+#[test]
+fn what_stands_in_a_closed_box_is_not_seen() {
+    let (outer, inner) = (solid_box(4.0, 4.0, 4.0), solid_box(1.0, 1.0, 1.0));
+    let first = outer.positions.len() as u32;
+    let moved = inner.positions.iter().map(|p| p + 1.5);
+    let positions = outer.positions.iter().copied().chain(moved).collect();
+    let triangles = inner.triangles.iter().map(|t| t.map(|v| v + first));
+    let s = surface(positions, outer.triangles.iter().copied().chain(triangles).collect());
+    let seen = visibility(&s, &Run::quiet()).unwrap().unwrap();
+    assert!(seen[..12].iter().all(|&v| v == 1.0), "{seen:?}");
+    assert!(seen[12..].iter().all(|&v| v == 0.0), "{seen:?}");
 }

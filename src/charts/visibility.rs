@@ -1,5 +1,6 @@
 //! How well each face is seen from outside: a seam where nobody looks costs less.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::contract::{Canceled, Run};
@@ -36,7 +37,7 @@ pub fn visibility(surface: &Surface, run: &Run) -> Result<Option<Vec<f32>>, Canc
             if !surface.usable[f] || run.cancel.is_canceled() {
                 return 1.0;
             }
-            let center = surface.corners(f).into_iter().sum::<glam::DVec3>() / 3.0;
+            let center = surface.corners(f).into_iter().sum::<DVec3>() / 3.0;
             let looks =
                 |normal| rays.ambient_visibility(center, normal, each, f as u64, f as u32) as f32;
             let front = looks(surface.normals[f]);

@@ -33,14 +33,22 @@ pub fn charts(
 ) -> Result<Cut, UnwrapError> {
     clock.stage(Stage::Charts, run)?;
     let mut bound = options.distortion_bound;
-    let mut cut = attempt(found, bound, options, device, run)?;
+    // Seams are trained once: a second training would find the time of the first spent.
+    let openness = match options.quality {
+        Quality::Best => {
+            let how = ChartOptions { distortion_bound: bound };
+            Some(joint::openness(found, &how, options, device, run)?)
+        }
+        _ => None,
+    };
+    let mut cut = attempt(found, bound, openness.as_deref(), run)?;
     let Some(most) = options.max_charts.map(|m| m as usize) else { return Ok(cut) };
     for _ in 0..ROUNDS {
         if cut.charts.len() <= most {
             return Ok(cut);
         }
         bound *= RAISE;
-        let fewer = attempt(found, bound, options, device, run)?;
+        let fewer = attempt(found, bound, openness.as_deref(), run)?;
         if fewer.charts.len() < cut.charts.len() {
             cut = fewer;
         }
@@ -55,21 +63,15 @@ pub fn charts(
     Ok(cut)
 }
 
-/// One cut. With `quality = best` the seams of each part are trained too.
+/// One cut; `openness` is what soft maps have left open, where seams were trained.
 fn attempt(
     found: &Found,
     bound: f64,
-    options: &UnwrapOptions,
-    device: &Device,
+    openness: Option<&[f32]>,
     run: &Run,
 ) -> Result<Cut, UnwrapError> {
     let how = ChartOptions { distortion_bound: bound };
-    let openness = match options.quality {
-        Quality::Best => Some(joint::openness(found, &how, options, device, run)?),
-        _ => None,
-    };
-    let surface = &found.surface;
-    let built = charts::build_jointly(surface, &found.region_of, &how, openness.as_deref(), run)?;
+    let built = charts::build_jointly(&found.surface, &found.region_of, &how, openness, run)?;
     let joint_seams = openness.map(|_| {
         let kept = |arms: &&Arms| arms.joint < arms.control;
         let sum = |of: fn(&Arms) -> f64| built.arms.iter().map(of).sum::<f64>();

@@ -7,10 +7,11 @@ use anyhow::{Context, Result, bail};
 use rayon::ThreadPool;
 
 use super::files::{guarded, named, stem};
+use super::how::{How, unwrap};
 use crate::cli::input::Files;
-use crate::contract::{Limits, Run, UnwrapOptions};
-use crate::device::{self, Device, DeviceChoice};
-use crate::pipeline::{self, Unwrapped};
+use crate::contract::UnwrapOptions;
+use crate::device::Device;
+use crate::pipeline::Unwrapped;
 
 /// Threads of each run; the others are held against the first.
 const THREADS: [usize; 4] = [1, 1, 2, 2];
@@ -23,17 +24,13 @@ pub struct Args {
     /// Which objects: one file name without its extension a line, # begins a comment.
     #[arg(long)]
     pub names: PathBuf,
-    /// Device to train on: auto, cpu, gpu or gpu:N.
-    #[arg(long, default_value_t)]
-    pub device: DeviceChoice,
     #[command(flatten)]
-    pub options: UnwrapOptions,
+    pub how: How,
 }
 
 /// Run it: one line an object, a summary; an error if any object differs or fails.
 pub fn run(args: Args) -> Result<()> {
-    super::check(&args.options)?;
-    let device = device::choose(&args.device)?;
+    let device = args.how.device()?;
     let pool = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.context("cannot start the threads")
@@ -42,7 +39,7 @@ pub fn run(args: Args) -> Result<()> {
     let paths = named(&args.dir, &args.names)?;
     let (mut same, mut differ, mut failed) = (0, 0, 0);
     for path in &paths {
-        let verdict = match guarded(|| compare(path, &args.options, &device, &pools)) {
+        let verdict = match guarded(|| compare(path, &args.how.options, &device, &pools)) {
             Ok((text, true)) => {
                 same += 1;
                 text
@@ -73,12 +70,7 @@ fn compare(
     pools: &[ThreadPool],
 ) -> Result<(String, bool)> {
     let files = Files::read(path, None)?;
-    let unwrap = |pool: &ThreadPool| {
-        let limits = Limits::default();
-        pool.install(|| {
-            pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())
-        })
-    };
+    let unwrap = |pool: &ThreadPool| pool.install(|| unwrap(&files, options, device));
     let first = unwrap(&pools[0])?;
     let mut text = format!("{} triangles", triangles(&first));
     let mut clocked = !first.metrics.deterministic;

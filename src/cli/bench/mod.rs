@@ -3,16 +3,15 @@
 
 mod determinism;
 mod files;
+mod how;
 mod object;
 mod peer;
 mod quality;
 mod sheet;
 mod table;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Subcommand;
-
-use crate::contract::UnwrapOptions;
 
 /// Arguments of `uvsegnet bench`.
 #[derive(Debug, clap::Args)]
@@ -38,15 +37,5 @@ pub fn run(args: Args) -> Result<()> {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
         What::Sheet(args) => sheet::run(args),
-    }
-}
-
-/// Refuse options that no object could be unwrapped with.
-fn check(options: &UnwrapOptions) -> Result<()> {
-    match options.validate() {
-        Ok(()) => Ok(()),
-        Err(errors) => {
-            bail!("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
-        }
     }
 }

@@ -8,12 +8,12 @@ use anyhow::{Context, Result, anyhow};
 use serde_json::{Map, Value, json};
 
 use super::files::guarded;
+use super::how::unwrap;
 use super::{peer, table};
 use crate::cli::input::Files;
 use crate::contract::{Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions};
 use crate::device::Device;
 use crate::mesh;
-use crate::pipeline::{self, Unwrapped};
 
 /// An isometry by this peer's arithmetic: single precision leaves so much.
 const ROUNDING: f64 = 1e-5;
@@ -86,11 +86,6 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
         line.insert("judge".into(), ask(judge, &model, path, arms.folder)?);
     }
     Ok(Value::Object(line))
-}
-
-fn unwrap(files: &Files, options: &UnwrapOptions, device: &Device) -> Result<Unwrapped> {
-    let limits = Limits::default();
-    Ok(pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())?)
 }
 
 /// The object at no more distortion than the peer has, untrained. The bound is one for each chart and the

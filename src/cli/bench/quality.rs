@@ -9,10 +9,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::files::Shard;
+use super::how::How;
 use super::object::{self, Arms};
 use super::table;
-use crate::contract::UnwrapOptions;
-use crate::device::{self, DeviceChoice};
 
 /// Arguments of `uvsegnet bench quality`.
 #[derive(Debug, clap::Args)]
@@ -40,26 +39,22 @@ pub struct Args {
     /// Where the models go; they are not kept otherwise.
     #[arg(long)]
     pub models: Option<PathBuf>,
-    /// Device to train on: auto, cpu, gpu or gpu:N.
-    #[arg(long, default_value_t)]
-    pub device: DeviceChoice,
     #[command(flatten)]
-    pub options: UnwrapOptions,
+    pub how: How,
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    super::check(&args.options)?;
+    let device = args.how.device()?;
     let shard = args.shard.of(&args.dir)?.into_iter();
     let done = done(&args.output)?;
-    let device = device::choose(&args.device)?;
     let folder = std::env::temp_dir().join(format!("uvsegnet-bench-{}", std::process::id()));
     for folder in [Some(&folder), args.models.as_ref()].into_iter().flatten() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let arms = Arms {
-        options: &args.options,
+        options: &args.how.options,
         device: &device,
         single: args.single,
         judge: args.judge.as_deref(),

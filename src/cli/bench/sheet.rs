@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 
 use super::files::{Shard, guarded, named, stem};
+use super::how::{How, unwrap};
 use crate::cli::input::Files;
-use crate::contract::{Limits, Metrics, Run, UnwrapOptions};
-use crate::device::{self, Device, DeviceChoice};
-use crate::pipeline;
+use crate::contract::{Metrics, UnwrapOptions};
+use crate::device::Device;
 use crate::preview::{SheetCell, contact_sheet};
 
 /// Arguments of `uvsegnet bench sheet`.
@@ -31,17 +31,13 @@ pub struct Args {
     /// Objects a row.
     #[arg(long, default_value_t = 5)]
     pub columns: usize,
-    /// Device to train on: auto, cpu, gpu or gpu:N.
-    #[arg(long, default_value_t)]
-    pub device: DeviceChoice,
     #[command(flatten)]
-    pub options: UnwrapOptions,
+    pub how: How,
 }
 
 /// Run it. An object that fails has an empty place on the sheet, and the command fails in the end.
 pub fn run(args: Args) -> Result<()> {
-    super::check(&args.options)?;
-    let device = device::choose(&args.device)?;
+    let device = args.how.device()?;
     let mut paths = match &args.names {
         Some(names) => named(&args.dir, names)?,
         None => args.shard.of(&args.dir)?,
@@ -50,7 +46,7 @@ pub fn run(args: Args) -> Result<()> {
     let mut failed = 0;
     let mut cells = Vec::new();
     for path in &paths {
-        let cell = guarded(|| cell(path, &args.options, &device)).unwrap_or_else(|error| {
+        let cell = guarded(|| cell(path, &args.how.options, &device)).unwrap_or_else(|error| {
             failed += 1;
             SheetCell { preview: None, caption: vec![stem(path), format!("{error:#}")] }
         });
@@ -69,9 +65,7 @@ pub fn run(args: Args) -> Result<()> {
 /// One object: unwrapped, with its name and its figures.
 fn cell(path: &Path, options: &UnwrapOptions, device: &Device) -> Result<SheetCell> {
     let files = Files::read(path, None)?;
-    let limits = Limits::default();
-    let unwrapped =
-        pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())?;
+    let unwrapped = unwrap(&files, options, device)?;
     let preview = unwrapped.artifact("preview.png").ok_or_else(|| anyhow!("no preview"))?;
     let mut caption = vec![stem(path)];
     caption.extend(figures(&unwrapped.metrics));
