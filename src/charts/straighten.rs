@@ -8,6 +8,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::attempt::{Motion, lay_out, rigid_motion};
 use super::candidates;
@@ -49,25 +50,33 @@ pub fn straighten(
     for &a in among {
         let found = candidates::around(work, a);
         let there = |c: &&candidates::Candidate| c.b > a && among.binary_search(&c.b).is_ok();
-        pairs.extend(found.iter().filter(there).map(|c| (a, c.b)));
+        pairs.extend(found.iter().filter(there).map(|c| [a, c.b]));
     }
-    for (a, b) in pairs {
+    while !pairs.is_empty() {
         run.cancel.check()?;
-        let size = work.faces[a as usize].len() + work.faces[b as usize].len();
-        if size > allowance {
-            continue;
+        // Pairs with no chart in common, so that they can be moved at the same time.
+        let (mut batch, mut busy) = (Vec::new(), BTreeSet::new());
+        for &pair in &pairs {
+            if pair.iter().all(|chart| !busy.contains(chart)) {
+                busy.extend(pair);
+                batch.push(pair);
+            }
         }
-        let paths = candidates::around(work, a).into_iter().filter(|c| c.b == b && !c.zip);
-        let longest = paths.max_by(|c, d| c.cost(work).total_cmp(&d.cost(work)));
-        let Some(path) = longest.map(|c| c.path).filter(|path| path.len() > 1) else { continue };
-        let seam: BTreeSet<u32> =
-            path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
-        if let Some((motion, _)) = rigid_motion(work, &path)
-            && let Some(deal) = deal_anew(work, [a, b], &seam)
-        {
-            allowance -= size;
-            if keep_if_better(work, [a, b], &seam, &deal, motion, limits, run)? {
-                changed.extend([a, b]);
+        pairs.retain(|pair| !batch.contains(pair));
+        let found: Vec<Move> =
+            batch.par_iter().filter_map(|&pair| Move::find(work, pair)).collect();
+        let affordable = |found: &Move| {
+            let left = allowance.checked_sub(found.size(work));
+            allowance = left.unwrap_or(allowance);
+            left.is_some()
+        };
+        let tried: Vec<Move> = found.into_iter().filter(affordable).collect();
+        let solved: Result<Vec<_>, Canceled> =
+            tried.par_iter().map(|found| found.solve(work, limits, run)).collect();
+        for (found, new) in tried.iter().zip(solved?) {
+            if let Some(new) = new {
+                found.commit(work, &new);
+                changed.extend(found.charts);
             }
         }
     }
@@ -80,6 +89,12 @@ struct Deal {
     faces: BTreeMap<u32, u32>,
     /// What the seam costs less.
     saved: f64,
+}
+
+impl Deal {
+    fn owner(&self, work: &Patchwork, f: u32) -> u32 {
+        self.faces.get(&f).copied().unwrap_or(work.chart_of[f as usize])
+    }
 }
 
 /// The cheapest seam within the collar about a seam (both half-edges of each of its edges), if it is worth
@@ -177,69 +192,93 @@ fn cut(
     Some(Deal { faces, saved: (1.0 - now) * cost })
 }
 
-/// Deal the faces out, sew each chart's new ones on, and keep that if the objective falls: tells whether
-/// it did.
-fn keep_if_better(
-    work: &mut Patchwork,
-    [a, b]: [u32; 2],
-    seam: &BTreeSet<u32>,
-    deal: &Deal,
+/// A seam between two charts and a cheaper one.
+struct Move {
+    charts: [u32; 2],
+    deal: Deal,
+    /// Half-edges that are closed or opened.
+    toggled: BTreeSet<u32>,
+    /// What lays the second chart next to the first.
     motion: Motion,
-    limits: &Limits,
-    run: &Run,
-) -> Result<bool, Canceled> {
-    let owner = |f: u32| deal.faces.get(&f).copied().unwrap_or(work.chart_of[f as usize]);
-    let mut changed = Vec::new();
-    for h in deal.faces.keys().flat_map(|&f| 3 * f..3 * f + 3) {
-        if let Some(t) = crossing(work, seam, h) {
-            let closed = owner(h / 3) == owner(t / 3);
-            if closed != work.glued[h as usize] {
-                changed.push((h, closed));
-                changed.push((t, closed));
-            }
-        }
-    }
-    let all = work.faces[a as usize].iter().chain(&work.faces[b as usize]).copied();
-    let (mut ours, mut theirs): (Vec<u32>, Vec<u32>) = all.partition(|&f| owner(f) == a);
-    ours.sort_unstable();
-    theirs.sort_unstable();
-    changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = closed);
-
-    let (rotation, shift) = motion;
-    let back = (rotation.transpose(), -(rotation.transpose() * shift));
-    let new = match sew(work, ours, b, motion, limits, run)? {
-        Some(ours) => sew(work, theirs, a, back, limits, run)?.map(|theirs| [ours, theirs]),
-        None => None,
-    };
-    let spent = |new: &[(Piece, Fit); 2]| -> f64 {
-        new.iter().map(|(piece, fit)| fit.energy * piece.disk.area()).sum()
-    };
-    let before = work.energy[a as usize] + work.energy[b as usize];
-    match new.filter(|new| spent(new) < before + limits.worth * deal.saved) {
-        Some(new) => {
-            for (chart, (piece, fit)) in [a, b].into_iter().zip(&new) {
-                work.take(chart, piece, fit);
-            }
-            Ok(true)
-        }
-        None => {
-            changed.iter().for_each(|&(h, closed)| work.glued[h as usize] = !closed);
-            Ok(false)
-        }
-    }
 }
 
-/// Faces of two charts as one, those of chart `moved` moved to it.
-fn sew(
-    work: &Patchwork,
-    faces: Vec<u32>,
-    moved: u32,
-    motion: Motion,
-    limits: &Limits,
-    run: &Run,
-) -> Result<Option<(Piece, Fit)>, Canceled> {
-    let piece = work.mesh.cut_open(faces, &work.glued);
-    let joined = lay_out(work, &piece, moved, Some(motion));
-    let fit = refine(&piece.disk, joined, limits.bound, limits.clearance, run)?;
-    Ok(fit.map(|fit| (piece, fit)))
+impl Move {
+    /// The cheapest seam in place of the longest path between two charts.
+    fn find(work: &Patchwork, [a, b]: [u32; 2]) -> Option<Self> {
+        let paths = candidates::around(work, a).into_iter().filter(|c| c.b == b && !c.zip);
+        let longest = paths.max_by(|c, d| c.cost(work).total_cmp(&d.cost(work)));
+        let path = longest.map(|c| c.path).filter(|path| path.len() > 1)?;
+        let seam = path.iter().flat_map(|&h| [h, work.mesh.twin[h as usize]]).collect();
+        let (motion, _) = rigid_motion(work, &path)?;
+        let deal = deal_anew(work, [a, b], &seam)?;
+        let owner = |f: u32| deal.owner(work, f);
+        let mut toggled = BTreeSet::new();
+        for h in deal.faces.keys().flat_map(|&f| 3 * f..3 * f + 3) {
+            if let Some(t) = crossing(work, &seam, h) {
+                let closed = owner(h / 3) == owner(t / 3);
+                if closed != work.glued[h as usize] {
+                    toggled.extend([h, t]);
+                }
+            }
+        }
+        Some(Self { charts: [a, b], deal, toggled, motion })
+    }
+
+    /// Faces that must be flattened.
+    fn size(&self, work: &Patchwork) -> usize {
+        self.charts.iter().map(|&c| work.faces[c as usize].len()).sum()
+    }
+
+    /// Deal the faces out and sew each chart's new ones on: the two charts, if the objective falls.
+    fn solve(
+        &self,
+        work: &Patchwork,
+        limits: &Limits,
+        run: &Run,
+    ) -> Result<Option<[(Piece, Fit); 2]>, Canceled> {
+        let [a, b] = self.charts;
+        let all = work.faces[a as usize].iter().chain(&work.faces[b as usize]).copied();
+        let (mut ours, mut theirs): (Vec<u32>, Vec<u32>) =
+            all.partition(|&f| self.deal.owner(work, f) == a);
+        ours.sort_unstable();
+        theirs.sort_unstable();
+        let (rotation, shift) = self.motion;
+        let back = (rotation.transpose(), -(rotation.transpose() * shift));
+        let Some(ours) = self.sew(work, ours, b, self.motion, limits, run)? else {
+            return Ok(None);
+        };
+        let new = self.sew(work, theirs, a, back, limits, run)?.map(|theirs| [ours, theirs]);
+        let spent = |new: &[(Piece, Fit); 2]| -> f64 {
+            new.iter().map(|(piece, fit)| fit.energy * piece.disk.area()).sum()
+        };
+        let before = work.energy[a as usize] + work.energy[b as usize];
+        Ok(new.filter(|new| spent(new) < before + limits.worth * self.deal.saved))
+    }
+
+    /// Faces of the two charts as one, those of chart `moved` moved to it.
+    fn sew(
+        &self,
+        work: &Patchwork,
+        faces: Vec<u32>,
+        moved: u32,
+        motion: Motion,
+        limits: &Limits,
+        run: &Run,
+    ) -> Result<Option<(Piece, Fit)>, Canceled> {
+        let glued = |h: u32| work.glued[h as usize] != self.toggled.contains(&h);
+        let piece = work.mesh.cut_open_where(faces, glued);
+        let joined = lay_out(work, &piece, moved, Some(motion));
+        let fit = refine(&piece.disk, joined, limits.bound, limits.clearance, run)?;
+        Ok(fit.map(|fit| (piece, fit)))
+    }
+
+    /// The two charts become the new ones.
+    fn commit(&self, work: &mut Patchwork, new: &[(Piece, Fit); 2]) {
+        for &h in &self.toggled {
+            work.glued[h as usize] = !work.glued[h as usize];
+        }
+        for (chart, (piece, fit)) in self.charts.into_iter().zip(new) {
+            work.take(chart, piece, fit);
+        }
+    }
 }
