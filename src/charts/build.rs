@@ -31,8 +31,11 @@ const RESTARTED_FACES: usize = 4_000;
 /// Patches below which there is nothing to choose.
 pub const LEAST_PATCHES: usize = 3;
 
-/// Rounds of joining charts and moving their seams.
-const ROUNDS: u32 = 3;
+/// Rounds of joining charts and moving their seams …
+const ROUNDS: usize = 3;
+
+/// … of a piece of so many faces or fewer; one of more gets the fewer of them, but one.
+const ROUND_FACES: usize = 60_000;
 
 /// What the cut is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -227,7 +230,8 @@ fn join<'a>(
 ) -> Result<Patchwork<'a>, Canceled> {
     let all: Vec<u32> = (0..work.faces.len() as u32).collect();
     let mut changed = all.clone();
-    for _ in 0..ROUNDS {
+    let rounds = (ROUNDS * ROUND_FACES / work.mesh.len().max(1)).clamp(1, ROUNDS);
+    for _ in 0..rounds {
         merge(&mut work, &changed, openness, limits, run)?;
         changed = straighten(&mut work, &all, limits, run)?;
         if changed.is_empty() {

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::extent::sound_map;
 use super::limits::Limits;
@@ -89,8 +90,8 @@ fn best_cut(
     let (page, area) = (limits.size * limits.size, work.area[chart as usize]);
     let faces = &work.faces[chart as usize];
     let (spans, whole) = (spans(faces, along), rectangle(faces, along));
-    let mut best: Option<(f64, Vec<Vec<u32>>)> = None;
-    for k in 0..DIRECTIONS {
+    let best_along = |k: usize| {
+        let mut best: Option<(f64, Vec<Vec<u32>>)> = None;
         let [low, high] = spans[k];
         for cut in 1..=CUTS {
             let at = low + (high - low) * cut as f64 / (CUTS + 1) as f64;
@@ -117,7 +118,10 @@ fn best_cut(
                 best = Some((gain, pieces));
             }
         }
-    }
+        best
+    };
+    let found: Vec<_> = (0..DIRECTIONS).into_par_iter().filter_map(best_along).collect();
+    let best = found.into_iter().reduce(|best, next| if next.0 > best.0 { next } else { best });
     best.map(|(_, pieces)| pieces)
 }
 

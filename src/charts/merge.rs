@@ -22,7 +22,7 @@ use crate::contract::{Canceled, Run};
 /// Faces that all attempts together may flatten, per face of the part …
 const WORK_PER_FACE: usize = 24;
 
-/// … up to so many faces; beyond, an eighth of that.
+/// … up to so many faces; beyond, a quarter of that.
 const WORK_FACES: usize = 20_000;
 
 /// Attempts that are solved at the same time.
@@ -138,7 +138,7 @@ pub fn merge(
         defects: candidates::angle_defects(work.mesh),
     };
     let faces: usize = among.iter().map(|&c| work.faces[c as usize].len()).sum();
-    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 8 * faces;
+    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 4 * faces;
     for &chart in among {
         for candidate in candidates::around(work, chart) {
             if candidate.b >= chart || among.binary_search(&candidate.b).is_err() {

@@ -27,6 +27,9 @@ const COLLAR: f64 = 0.3;
 /// Times that the collar is halved.
 const HALVINGS: u32 = 3;
 
+/// A collar of more faces than this is halved too.
+const COLLAR_FACES: usize = 30_000;
+
 /// Share of the path's cost that a move must save to be worth two solves.
 const WORTHWHILE: f64 = 0.03;
 
@@ -104,7 +107,9 @@ fn deal_anew(work: &Patchwork, [a, b]: [u32; 2], seam: &BTreeSet<u32>) -> Option
     let mut width = COLLAR * work.area[a as usize].min(work.area[b as usize]).sqrt();
     for _ in 0..=HALVINGS {
         let collar = collar(work, [a, b], seam, width);
-        if let Some(deal) = cut(work, [a, b], seam, &collar, cost) {
+        if collar.len() <= COLLAR_FACES
+            && let Some(deal) = cut(work, [a, b], seam, &collar, cost)
+        {
             return (deal.saved > WORTHWHILE * cost).then_some(deal);
         }
         width *= 0.5;
