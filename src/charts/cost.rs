@@ -13,6 +13,9 @@ pub const LEAST: f64 = 0.05;
 /// Share of its cost that a seam saves where nobody can see it.
 const HIDDEN: f64 = 0.6;
 
+/// Share of its cost that a seam saves where the file's own texture coordinates have one.
+const EXISTING: f64 = 0.5;
+
 /// Cost of a unit length of seam at a signed dihedral angle (radians, positive convex): 1 where
 /// flat, falling to a third at a convex crease of 90° and to a tenth at a concave one.
 pub fn seam_cost(dihedral: f64) -> f64 {
@@ -21,10 +24,14 @@ pub fn seam_cost(dihedral: f64) -> f64 {
     (FLAT / (1.0 + weight * bend)).max(LEAST)
 }
 
-/// Length times cost of the seam along a local half-edge: the bend's cost, and less where it is hidden.
+/// Length times cost of the seam along a local half-edge: the bend's cost, less where it is hidden, and
+/// less where there was a seam before.
 pub fn edge_cost(mesh: &PartMesh, h: u32) -> f64 {
-    let bend = seam_cost(mesh.surface.dihedral(mesh.surface_half_edge(h)));
-    mesh.length(h) * bend * (1.0 - HIDDEN * (1.0 - seen(mesh, h)))
+    let surface_half_edge = mesh.surface_half_edge(h);
+    let bend = seam_cost(mesh.surface.dihedral(surface_half_edge));
+    let existing = mesh.surface.existing_seams.get(surface_half_edge as usize);
+    let kept = if existing == Some(&true) { 1.0 - EXISTING } else { 1.0 };
+    mesh.length(h) * bend * kept * (1.0 - HIDDEN * (1.0 - seen(mesh, h)))
 }
 
 /// Ambient visibility of an edge, 0 to 1: the mean of its faces'.

@@ -50,15 +50,25 @@ fn solid_box(x: f64, y: f64, z: f64) -> Surface {
     quads((0..8).map(corner).collect(), &sides)
 }
 
+/// The corners of a regular polygon of radius 1.
+fn ring(n: u32, z: f64) -> impl Iterator<Item = DVec3> {
+    (0..n).map(move |i| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+        DVec3::new(cos, sin, z)
+    })
+}
+
+/// The side of such a prism, open at both ends.
+fn open_tube(n: u32, height: f64) -> Surface {
+    let around = |i: u32| [i, (i + 1) % n, n + (i + 1) % n, n + i];
+    let sides: Vec<[u32; 4]> = (0..n).map(around).collect();
+    quads(ring(n, 0.0).chain(ring(n, height)).collect(), &sides)
+}
+
 /// A closed prism over a regular polygon of `n` corners and radius 1, `height` high.
 fn prism(n: u32, height: f64) -> Surface {
-    let ring = |z: f64| {
-        (0..n).map(move |i| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
-            DVec3::new(cos, sin, z)
-        })
-    };
-    let positions = ring(0.0).chain(ring(height)).chain([DVec3::ZERO, DVec3::Z * height]);
+    let ends = ring(n, 0.0).chain(ring(n, height));
+    let positions = ends.chain([DVec3::ZERO, DVec3::Z * height]);
     let mut triangles = Vec::new();
     for i in 0..n {
         let j = (i + 1) % n;
@@ -318,4 +328,24 @@ fn what_stands_in_a_closed_box_is_not_seen() {
     let seen = visibility(&s, &Run::quiet()).unwrap().unwrap();
     assert!(seen[..12].iter().all(|&v| v == 1.0), "{seen:?}");
     assert!(seen[12..].iter().all(|&v| v == 0.0), "{seen:?}");
+}
+
+#[test]
+fn a_seam_that_was_there_before_is_taken_again() {
+    // A wide tube of 24 sides must be cut once along its axis: anywhere, unless there was a seam.
+    for column in [5, 17] {
+        let mut s = open_tube(24, 4.0);
+        let at = |v: u32| s.positions[v as usize];
+        let angle = std::f64::consts::TAU * f64::from(column) / 24.0;
+        let on = |v: u32| (at(v).x - angle.cos()).hypot(at(v).y - angle.sin()) < 1e-9;
+        s.existing_seams = (0..s.twin.len() as u32)
+            .map(|h| s.twin[h as usize] != NONE && on(s.from(h)) && on(s.to(h)))
+            .collect();
+        let charts = cut(&s, 0.01);
+        let [chart] = &charts[..] else { panic!("{} charts", charts.len()) };
+        let twice = |v: u32| chart.vertices.iter().filter(|&&w| w == v).count() == 2;
+        for v in 0..s.positions.len() as u32 {
+            assert_eq!(twice(v), on(v), "column {column}, vertex {v}");
+        }
+    }
 }

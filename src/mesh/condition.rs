@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::existing_seams::existing_seams;
 use super::pairing::{EdgeGroups, FaceTraits, pair};
 use super::{DisjointSets, FaceOrigin, NONE, Scene, Surface, orient, weld};
 use crate::contract::{Canceled, Repairs, Run};
@@ -69,6 +70,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     let twin = pair(&triangles, &faces, &groups);
     run.cancel.check()?;
     let sheet_mate = sheet_mates(&triangles, &usable);
+    let existing_seams = existing_seams(scene, &reversed, &twin);
 
     let used = ids.iter().copied().max().map_or(0, |m| m as u64 + 1);
     let repairs = Repairs {
@@ -88,6 +90,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         normals,
         areas,
         sheet_mate,
+        existing_seams,
         origins,
         labels: scene.labels.clone(),
         names: scene.primitives.iter().map(|p| p.name.clone()).collect(),

@@ -3,6 +3,7 @@
 
 mod condition;
 mod disjoint;
+mod existing_seams;
 pub mod export;
 pub mod import;
 mod maxflow;

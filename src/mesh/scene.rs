@@ -51,6 +51,9 @@ pub struct Primitive {
     pub positions: Vec<DVec3>,
     /// Vertex triples in file winding, strips and fans expanded. Length: faces.
     pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates of its corners as the file has them (glTF: set 0), NaN where a corner has none.
+    /// Length: faces, or 0 where there are none at all.
+    pub texcoords: Vec<[[f32; 2]; 3]>,
 }
 
 impl Scene {

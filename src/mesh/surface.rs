@@ -49,6 +49,9 @@ pub struct Surface {
     pub areas: Vec<f64>,
     /// The face at the same place with the opposite winding, or [`NONE`]. Length: faces.
     pub sheet_mate: Vec<u32>,
+    /// Whether each half-edge is a seam of the texture coordinates that the file came with. Length:
+    /// 3 × faces, or 0 where there are none.
+    pub existing_seams: Vec<bool>,
     /// Where each face comes from. Length: faces.
     pub origins: Vec<FaceOrigin>,
     /// Given labels, −1 unknown. Length: faces.

@@ -162,7 +162,7 @@ fn same(a: &[[f32; 2]; 2], b: &[[f32; 2]; 2]) -> bool {
 }
 
 /// For each vertex the lowest-numbered vertex at its position.
-fn places(surface: &Surface) -> Vec<u32> {
+pub fn places(surface: &Surface) -> Vec<u32> {
     // Adding zero makes −0 and 0 one place.
     let key = |&v: &u32| (surface.positions[v as usize] + 0.0).to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..surface.positions.len() as u32).collect();

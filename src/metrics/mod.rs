@@ -22,7 +22,7 @@ mod stretch;
 mod tests;
 
 pub use curvature::developable;
-pub use edges::EdgeTable;
+pub use edges::{EdgeTable, places};
 pub use figures::{Measured, MeasuredFigures, measure};
 pub use packing::packing_efficiency;
 pub use stretch::FaceMap;

@@ -12,6 +12,7 @@ mod joint;
 mod maps;
 mod neural;
 mod parts;
+mod regions;
 mod report;
 mod result;
 mod sheets;

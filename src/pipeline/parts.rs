@@ -2,10 +2,11 @@
 
 use super::clock::Clock;
 use super::error::UnwrapError;
+use super::regions;
 use super::sheets;
 use super::weights::weights;
-use crate::contract::{AtlasGrouping, DoubleSided, Run, Stage, UnwrapOptions};
-use crate::mesh::{self, NONE, Scene, Surface};
+use crate::contract::{DoubleSided, Run, Stage, UnwrapOptions};
+use crate::mesh::{self, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels};
 
@@ -25,7 +26,7 @@ pub struct Found {
     /// Texel density of each part relative to the others.
     pub weights: Vec<f64>,
     /// What charts may not cross, for each face: its part, or part and material where each material
-    /// has an atlas; [`NONE`] for faces that get no chart of their own.
+    /// has an atlas; [`NONE`](mesh::NONE) for faces that get no chart of their own.
     pub region_of: Vec<u32>,
     /// Part of each region.
     pub part_of_region: Vec<u32>,
@@ -76,34 +77,6 @@ pub fn find(
         part_of_region: Vec::new(),
         page_of_region: Vec::new(),
     };
-    divide_into_regions(&mut found, options.atlas);
+    regions::divide(&mut found, options.atlas);
     Ok(found)
-}
-
-/// Number the regions in order of part, then material.
-fn divide_into_regions(found: &mut Found, atlas: AtlasGrouping) {
-    let surface = &found.surface;
-    let key = |f: usize| {
-        let material = match atlas {
-            AtlasGrouping::Scene => 0,
-            AtlasGrouping::Material => surface.origins[f].material,
-        };
-        let own = surface.usable[f] && found.sources[f] == f as u32;
-        let part = found.parts.labels[f];
-        (own && part != NONE).then_some((part, material))
-    };
-    let keys: Vec<Option<(u32, u32)>> = (0..surface.face_count()).map(key).collect();
-    let mut regions: Vec<(u32, u32)> = keys.iter().flatten().copied().collect();
-    regions.sort_unstable();
-    regions.dedup();
-    let mut materials: Vec<u32> = regions.iter().map(|r| r.1).collect();
-    materials.sort_unstable();
-    materials.dedup();
-    let number = |k: &Option<(u32, u32)>| {
-        k.and_then(|k| regions.binary_search(&k).ok()).map_or(NONE, |r| r as u32)
-    };
-    found.region_of = keys.iter().map(number).collect();
-    found.part_of_region = regions.iter().map(|r| r.0).collect();
-    found.page_of_region =
-        regions.iter().map(|r| materials.binary_search(&r.1).unwrap_or(0) as u32).collect();
 }

@@ -1,14 +1,14 @@
 //! The classical unwrapper as a peer: `uvunwrap` on the conditioned sheets, so that its shattering
 //! of double-sided faces flatters nobody, and on the welded mesh as it came.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-use glam::DVec2;
 use serde_json::{Value, json};
 
 use crate::flatten::{self, Island, singular_values};
 use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::metrics::places;
 
 /// What the peer reaches: charts, seam length over √area, symmetric Dirichlet at one scale, seconds;
 /// and the charts on the raw mesh. Null where it refuses the mesh.
@@ -70,24 +70,39 @@ fn on_sheets(surface: &Surface) -> Option<Vec<Island>> {
     Some(islands)
 }
 
-/// 3D length of the sheets' edges whose two sides have different coordinates.
+/// 3D length of the cuts, counted as our own are: an edge of k faces needs ⌈k/2⌉ different UV edges, and
+/// each further one is a cut. So the rim of a double-sided sheet, where its two sides meet, is one for both.
 fn seam_length(surface: &Surface, islands: &[Island]) -> f64 {
-    let mut corner = vec![(NONE, DVec2::ZERO); 3 * surface.face_count()];
-    for (i, island) in islands.iter().enumerate() {
+    let mut corner = vec![(NONE, [0; 2]); 3 * surface.face_count()];
+    for (i, island) in (0u32..).zip(islands) {
         for (&f, t) in island.faces.iter().zip(&island.disk.triangles) {
-            (0..3).for_each(|k| corner[3 * f as usize + k] = (i as u32, island.uv[t[k] as usize]));
+            for k in 0..3 {
+                let uv = island.uv[t[k] as usize].to_array().map(f64::to_bits);
+                corner[3 * f as usize + k] = (i, uv);
+            }
         }
     }
     let next = |h: usize| 3 * (h / 3) + (h + 1) % 3;
-    let mut length = 0.0;
-    for (h, &t) in surface.twin.iter().enumerate().filter(|(h, t)| **t != NONE && *h < **t as usize)
-    {
-        let t = t as usize;
-        if corner[h] != corner[next(t)] || corner[next(h)] != corner[t] {
-            length += surface.length(h as u32);
-        }
+    let place = places(surface);
+    let mut edges: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+    for h in (0..corner.len()).filter(|h| surface.usable[h / 3]) {
+        let mut ends = [surface.from(h as u32), surface.to(h as u32)].map(|v| place[v as usize]);
+        ends.sort_unstable();
+        edges.entry(ends).or_default().push(h);
     }
-    length
+    let cuts = |(ends, around): (&[u32; 2], &Vec<usize>)| {
+        let different: BTreeSet<_> = around
+            .iter()
+            .map(|&h| {
+                let forward = place[surface.from(h as u32) as usize] == ends[0];
+                let (a, b) = (corner[h], corner[next(h)]);
+                if forward { [a, b] } else { [b, a] }
+            })
+            .collect();
+        let more = different.len().saturating_sub(around.len().div_ceil(2));
+        more as f64 * surface.length(around[0] as u32)
+    };
+    edges.iter().map(cuts).sum()
 }
 
 /// ½√(Σw(σ1²+σ2²)·Σw(σ1⁻²+σ2⁻²))/Σw over all faces with area.
@@ -104,4 +119,53 @@ fn symmetric_dirichlet(surface: &Surface, islands: &[Island]) -> f64 {
         }
     }
     0.5 * (direct * inverse).sqrt() / weight
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contract::Run;
+    use crate::mesh::{Document, Primitive, Scene, condition};
+
+    /// A quad of two triangles, with both windings or one.
+    fn quad(double: bool) -> Surface {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+        if double {
+            triangles.extend([[0, 2, 1], [0, 3, 2]]);
+        }
+        let primitive = Primitive {
+            positions: corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(),
+            triangles,
+            ..Default::default()
+        };
+        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
+        let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] };
+        condition(&scene, &Run::quiet()).unwrap()
+    }
+
+    #[test]
+    fn a_sheet_has_no_seam_and_two_upon_each_other_have_their_rim() {
+        for (double, rim) in [(false, 0.0), (true, 4.0)] {
+            let surface = quad(double);
+            let islands = on_sheets(&surface).unwrap();
+            assert_eq!(islands.len(), 1 + usize::from(double));
+            assert_eq!(seam_length(&surface, &islands), rim);
+        }
+    }
+
+    #[test]
+    fn triangles_apart_have_their_diagonal_for_a_seam() {
+        let surface = quad(false);
+        let mut islands = on_sheets(&surface).unwrap();
+        let mut second = islands[0].clone();
+        second.disk.triangles = vec![second.disk.triangles[1]];
+        second.faces = vec![second.faces[1]];
+        islands[0].disk.triangles.truncate(1);
+        islands[0].faces.truncate(1);
+        islands.push(second);
+        assert!((seam_length(&surface, &islands) - 2f64.sqrt()).abs() < 1e-12);
+    }
 }

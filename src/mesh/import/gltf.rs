@@ -135,6 +135,16 @@ impl<'a> Reader<'a> {
                 ))
             })
         };
+        let set = primitive.attribute("TEXCOORD_0");
+        let set = set.map(|accessor| self.view.elements(accessor, &place)).transpose()?;
+        let texcoords = match set.filter(|set| set.shape == Type::Vec2) {
+            Some(set) => {
+                let at =
+                    |v: u32| [0, 1].map(|k| set.value(vertices[v as usize] as usize, k) as f32);
+                triangles.iter().map(|t| t.map(at)).collect()
+            }
+            None => Vec::new(),
+        };
         let material_name = material.and_then(|m| self.name("materials", m));
         self.shown.primitives.push(Primitive {
             node: used.node as u32,
@@ -145,6 +155,7 @@ impl<'a> Reader<'a> {
             material_name: material_name.unwrap_or_default(),
             positions: vertices.iter().map(position).collect::<Result<_, _>>()?,
             triangles,
+            texcoords,
         });
         Ok(())
     }

@@ -70,8 +70,20 @@ impl ObjDocument {
                 material_name: material_name.unwrap_or_default(),
                 positions: used.iter().map(position).collect(),
                 triangles,
+                texcoords: self.texcoords_of(run),
             }
         };
         self.runs.iter().map(primitive).collect()
+    }
+
+    /// Texture coordinates of a run's corners; none where no corner has any.
+    fn texcoords_of(&self, run: &ObjRun) -> Vec<[[f32; 2]; 3]> {
+        let at = |corner: ObjCorner| {
+            self.texcoords.get(corner.texcoord as usize).copied().unwrap_or([f32::NAN; 2])
+        };
+        if run.faces.iter().flatten().all(|corner| corner.texcoord == ABSENT) {
+            return Vec::new();
+        }
+        run.faces.iter().map(|face| face.map(at)).collect()
     }
 }

@@ -1,0 +1,92 @@
+//! Seams that the file's own texture coordinates have: where an artist has cut before. A new cut that
+//! can follow them is cheaper (pipeline: cut cost).
+
+use super::{NONE, Scene};
+
+/// Corners whose coordinates are this close, over the coordinates' range, are together.
+const TOGETHER: f32 = 1e-5;
+
+/// Coordinates that fall apart at more than this share of the edges are of single faces, and say
+/// nothing.
+const SCATTERED: f64 = 0.5;
+
+/// Whether each half-edge is such a seam; empty where the file says nothing. `reversed` and `twin` are
+/// the surface's.
+pub fn existing_seams(scene: &Scene, reversed: &[bool], twin: &[u32]) -> Vec<bool> {
+    if scene.primitives.iter().all(|p| p.texcoords.is_empty()) {
+        return Vec::new();
+    }
+    let mut corners: Vec<[f32; 2]> = Vec::with_capacity(twin.len());
+    for primitive in &scene.primitives {
+        for i in 0..primitive.triangles.len() {
+            corners.extend(primitive.texcoords.get(i).copied().unwrap_or([[f32::NAN; 2]; 3]));
+        }
+    }
+    for (f, _) in reversed.iter().enumerate().filter(|(_, r)| **r) {
+        corners.swap(3 * f + 1, 3 * f + 2);
+    }
+    let known = || corners.iter().flatten().filter(|x| x.is_finite());
+    let low = known().copied().fold(f32::INFINITY, f32::min);
+    let high = known().copied().fold(f32::NEG_INFINITY, f32::max);
+    let near = TOGETHER * (high - low);
+    let next = |h: usize| h - h % 3 + (h + 1) % 3;
+    // Absent coordinates are apart from none.
+    let apart =
+        |h: usize, t: usize| (0..2).any(|axis| (corners[h][axis] - corners[t][axis]).abs() > near);
+    let seams: Vec<bool> = (0..twin.len())
+        .map(|h| {
+            let t = twin[h];
+            t != NONE && (apart(h, next(t as usize)) || apart(next(h), t as usize))
+        })
+        .collect();
+    let inner = twin.iter().filter(|t| **t != NONE).count() as f64;
+    let count = seams.iter().filter(|s| **s).count() as f64;
+    if count > 0.0 && count <= SCATTERED * inner { seams } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contract::Run;
+    use crate::mesh::{Document, Primitive, condition};
+
+    /// A strip of two quads whose coordinates jump by `gap` at the edge between them.
+    fn strip(gap: f32) -> Scene {
+        let positions = (0..6).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3), 0.0));
+        let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        let at = |face: usize, v: u32| {
+            [(v % 3) as f32 + if face < 2 { 0.0 } else { gap }, (v / 3) as f32]
+        };
+        let texcoords =
+            triangles.iter().enumerate().map(|(f, t): (usize, &[u32; 3])| t.map(|v| at(f, v)));
+        let primitive = Primitive {
+            positions: positions.collect(),
+            texcoords: texcoords.collect(),
+            triangles: triangles.clone(),
+            ..Default::default()
+        };
+        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
+        Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] }
+    }
+
+    #[test]
+    fn a_seam_is_where_coordinates_part() {
+        let surface = condition(&strip(1.0), &Run::quiet()).unwrap();
+        let seams: Vec<usize> = (0..12).filter(|&h| surface.existing_seams[h]).collect();
+        assert_eq!(seams, [1, 11], "the edge between the quads, from both sides");
+        assert!(condition(&strip(0.0), &Run::quiet()).unwrap().existing_seams.is_empty());
+    }
+
+    #[test]
+    fn coordinates_of_single_faces_say_nothing() {
+        let mut scene = strip(0.0);
+        for (f, face) in scene.primitives[0].texcoords.iter_mut().enumerate() {
+            face.iter_mut().for_each(|uv| uv[1] += 10.0 * f as f32);
+        }
+        assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
+        scene.primitives[0].texcoords.clear();
+        assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
+    }
+}

@@ -1,0 +1,138 @@
+//! Regions: what charts may not cross. A part is a region; where each material has an atlas, part and
+//! material are. A speck that was only guessed to be a part may be joined to its neighbour's charts.
+
+use std::collections::BTreeMap;
+
+use super::parts::Found;
+use crate::contract::{AtlasGrouping, SegmentationSource};
+use crate::mesh::NONE;
+
+/// Parts below this share of the area are specks.
+const SPECK: f64 = 0.005;
+
+/// Number the regions in order of part, then material.
+pub fn divide(found: &mut Found, atlas: AtlasGrouping) {
+    let surface = &found.surface;
+    let key = |f: usize| {
+        let material = match atlas {
+            AtlasGrouping::Scene => 0,
+            AtlasGrouping::Material => surface.origins[f].material,
+        };
+        let own = surface.usable[f] && found.sources[f] == f as u32;
+        let part = found.parts.labels[f];
+        (own && part != NONE).then_some((part, material))
+    };
+    let keys: Vec<Option<(u32, u32)>> = (0..surface.face_count()).map(key).collect();
+    let mut regions: Vec<(u32, u32)> = keys.iter().flatten().copied().collect();
+    regions.sort_unstable();
+    regions.dedup();
+    let mut materials: Vec<u32> = regions.iter().map(|r| r.1).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    let number = |k: &Option<(u32, u32)>| {
+        k.and_then(|k| regions.binary_search(&k).ok()).map_or(NONE, |r| r as u32)
+    };
+    found.region_of = keys.iter().map(number).collect();
+    found.part_of_region = regions.iter().map(|r| r.0).collect();
+    found.page_of_region =
+        regions.iter().map(|r| materials.binary_search(&r.1).unwrap_or(0) as u32).collect();
+    absorb_specks(found);
+}
+
+/// Give the specks that nobody but the geometry calls parts to the neighbour of the longest common border,
+/// on the same page and of the same density.
+fn absorb_specks(found: &mut Found) {
+    let surface = &found.surface;
+    let count = found.part_of_region.len();
+    let mut area = vec![0.0; count];
+    for (f, &region) in found.region_of.iter().enumerate().filter(|(_, r)| **r != NONE) {
+        area[region as usize] += surface.areas[f];
+    }
+    let least = SPECK * area.iter().sum::<f64>();
+    let part = |region: u32| &found.parts.parts[found.part_of_region[region as usize] as usize];
+    let is_speck = |region: u32| {
+        let guessed = matches!(
+            part(region).source,
+            SegmentationSource::Geometric | SegmentationSource::Learned
+        );
+        guessed && area[region as usize] < least
+    };
+    let like = |region: u32| {
+        let part = found.part_of_region[region as usize] as usize;
+        (found.page_of_region[region as usize], found.weights[part].to_bits())
+    };
+    let mut borders: BTreeMap<u32, BTreeMap<u32, f64>> = BTreeMap::new();
+    for (h, &t) in (0u32..).zip(&surface.twin).filter(|(_, t)| **t != NONE) {
+        let [from, to] = [h, t].map(|h| found.region_of[h as usize / 3]);
+        // Towards what is no speck, so that none is absorbed twice.
+        if from != NONE && to != NONE && is_speck(from) && !is_speck(to) && like(from) == like(to) {
+            *borders.entry(from).or_default().entry(to).or_default() += surface.length(h);
+        }
+    }
+    let longest = |around: &BTreeMap<u32, f64>| {
+        around.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|(&region, _)| region)
+    };
+    let absorbed: BTreeMap<u32, u32> =
+        borders.iter().filter_map(|(&speck, around)| Some((speck, longest(around)?))).collect();
+    for region in &mut found.region_of {
+        *region = absorbed.get(region).copied().unwrap_or(*region);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contract::Run;
+    use crate::mesh::{Document, Primitive, Scene, condition};
+    use crate::sampling::PointCloud;
+    use crate::segmentation::{Part, PartLabels};
+
+    /// A square of 20 × 20 cells in two halves, parts 0 and 2, of which part 1 has a cell of the first.
+    fn found(source: SegmentationSource) -> Found {
+        let positions = (0..21 * 21).map(|i| DVec3::new(f64::from(i % 21), f64::from(i / 21), 0.0));
+        let quads = (0..400u32).map(|i| i / 20 * 21 + i % 20);
+        let cells = quads.flat_map(|a| [[a, a + 1, a + 22], [a, a + 22, a + 21]]);
+        let primitive = Primitive {
+            positions: positions.collect(),
+            triangles: cells.collect(),
+            ..Default::default()
+        };
+        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
+        let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] };
+        let surface = condition(&scene, &Run::quiet()).unwrap();
+        let label = |f: u32| if f / 2 == 63 { 1 } else { 2 * u32::from(f / 2 % 20 >= 10) };
+        let part = |id| Part { id, name: id.to_string(), source, confidence: 1.0 };
+        Found {
+            sources: (0..800).collect(),
+            parts: PartLabels {
+                labels: (0..800).map(label).collect(),
+                parts: (0..3).map(part).collect(),
+            },
+            weights: vec![1.0; 3],
+            surface,
+            cloud: PointCloud::default(),
+            region_of: Vec::new(),
+            part_of_region: Vec::new(),
+            page_of_region: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_guessed_speck_goes_to_its_neighbour_and_a_named_one_stays() {
+        for (source, own) in [(SegmentationSource::Geometric, 0), (SegmentationSource::Labels, 1)] {
+            let mut found = found(source);
+            divide(&mut found, AtlasGrouping::Scene);
+            assert_eq!([0, 126, 127, 799].map(|f| found.region_of[f]), [0, own, own, 2]);
+        }
+    }
+
+    #[test]
+    fn a_speck_of_its_own_density_stays() {
+        let mut found = found(SegmentationSource::Geometric);
+        found.weights[1] = 4.0;
+        divide(&mut found, AtlasGrouping::Scene);
+        assert_eq!(found.region_of[126], 1);
+    }
+}
