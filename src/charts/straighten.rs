@@ -59,13 +59,14 @@ pub fn straighten(
         run.cancel.check()?;
         // Pairs with no chart in common, so that they can be moved at the same time.
         let (mut batch, mut busy) = (Vec::new(), BTreeSet::new());
-        for &pair in &pairs {
-            if pair.iter().all(|chart| !busy.contains(chart)) {
+        pairs.retain(|&pair| {
+            let free = pair.iter().all(|chart| !busy.contains(chart));
+            if free {
                 busy.extend(pair);
                 batch.push(pair);
             }
-        }
-        pairs.retain(|pair| !batch.contains(pair));
+            !free
+        });
         let found: Vec<Move> =
             batch.par_iter().filter_map(|&pair| Move::find(work, pair)).collect();
         let affordable = |found: &Move| {
