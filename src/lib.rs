@@ -6,7 +6,8 @@
 //! `contract ← device ← mesh ← flatten ← sampling ← segmentation ← charts ← parameterization ←
 //! atlas ← metrics ← preview ← pipeline`
 //!
-//! `contract ← mesh ← synth`, `contract ← config, telemetry ← jobs ← http`,
+//! `contract ← mesh ← synth`, `synth, segmentation, preview ← training`,
+//! `contract ← config, telemetry ← jobs ← http`,
 //! `contract, config, telemetry, jobs, device, pipeline ← worker`, everything `← cli`.
 
 #![warn(missing_docs)]
@@ -36,6 +37,8 @@ pub mod preview;
 pub mod pipeline;
 
 pub mod synth;
+
+pub mod training;
 
 pub mod config;
 pub mod telemetry;

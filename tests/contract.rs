@@ -26,14 +26,19 @@ fn allowed() -> BTreeMap<&'static str, Vec<&'static str>> {
         CHAIN.iter().enumerate().map(|(i, &m)| (m, CHAIN[..i].to_vec())).collect();
     let service = ["contract", "config", "telemetry"];
     allowed.insert("synth", vec!["contract", "mesh"]);
+    let trains = CHAIN.iter().take_while(|m| **m != "charts").copied();
+    // Its curves are pictures.
+    allowed.insert("training", trains.chain(["preview", "synth"]).collect());
     allowed.insert("config", vec!["contract"]);
     allowed.insert("telemetry", vec!["contract"]);
     allowed.insert("jobs", service.to_vec());
     allowed.insert("http", [&service[..], &["jobs"]].concat());
     // A worker drives the pipeline on a device.
     allowed.insert("worker", [&service[..], &["jobs", "pipeline", "device"]].concat());
-    allowed
-        .insert("cli", [&CHAIN[..], &service[1..], &["synth", "jobs", "http", "worker"]].concat());
+    allowed.insert(
+        "cli",
+        [&CHAIN[..], &service[1..], &["synth", "training", "jobs", "http", "worker"]].concat(),
+    );
     allowed
 }
 

@@ -10,6 +10,7 @@ mod segment;
 pub mod serve;
 mod signals;
 mod synth;
+mod train;
 mod unwrap;
 mod worker;
 
@@ -43,6 +44,8 @@ enum Command {
     Bench(bench::Args),
     /// Make a labelled sample object.
     Synth(synth::Args),
+    /// Train the segmentation network.
+    Train(train::Args),
     /// Print the OpenAPI description of the service.
     Openapi(openapi::Args),
 }
@@ -58,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Doctor(args) => doctor::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
+        Command::Train(args) => train::run(args),
         Command::Openapi(args) => openapi::run(args),
     };
     match result {

@@ -1,8 +1,9 @@
 //! Where the networks run: the name of a device, the choice among what is there, the probe that a
-//! device must pass before anything is promised on it, and seeded random numbers, which do not come
-//! from a device so that a result depends on the seed alone.
+//! device must pass before anything is promised on it, the fused layers (`dense`), and seeded random
+//! numbers, which do not come from a device so that a result depends on the seed alone.
 
 mod choice;
+pub mod dense;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod probe;

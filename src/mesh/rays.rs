@@ -127,6 +127,21 @@ impl Rays {
         met
     }
 
+    /// Every face that a ray meets within `reach`, in no order; `from` as in [`Rays::closest_hit`].
+    pub fn hits(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        reach: f64,
+        from: u32,
+        mut visit: impl FnMut(Hit),
+    ) {
+        self.walk(origin, direction, reach, from, |hit| {
+            visit(hit);
+            Some(reach)
+        });
+    }
+
     /// Ambient visibility: the share of `rays` cosine-weighted rays over the hemisphere about
     /// `normal` that escape. 1 is open sky, 0 is sealed. The rays are stratified in radius, spread
     /// in angle by the golden ratio, and turned and jittered by `seed`.

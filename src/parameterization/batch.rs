@@ -5,11 +5,11 @@ use burn::tensor::{Tensor, TensorData};
 use rayon::prelude::*;
 
 use super::chart::Trainee;
-use super::dense::Layers;
 use super::frame::REST;
 use super::losses::RECONSTRUCTION;
 use super::mapper::{BOUNDARY, POINT_OCTAVES};
 use crate::device::Device;
+use crate::device::dense::Layers;
 
 /// Inputs of the networks for a set of charts.
 #[derive(Debug)]

@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use burn::tensor::{Tensor, TensorData};
 
-use super::dense::{Activation, Layers};
 use crate::device::Seeded;
+use crate::device::dense::{Activation, Layers};
 
 /// Octaves of the position encoding of points.
 pub(super) const POINT_OCTAVES: usize = 6;

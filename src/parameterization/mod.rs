@@ -11,7 +11,6 @@ mod balance;
 mod batch;
 mod chamfer;
 mod chart;
-pub mod dense;
 mod frame;
 pub mod losses;
 mod mapper;

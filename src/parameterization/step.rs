@@ -12,12 +12,12 @@ use super::TrainError;
 use super::adam::Adam;
 use super::batch::Batch;
 use super::chart::Trainee;
-use super::dense::Layers;
 use super::frame::REST;
 use super::mapper::{self, BOUNDARY, Layout, POINT_OCTAVES};
 use super::reconstruction::reconstruct;
 use crate::contract::{Cancel, LossForm};
 use crate::device::Device;
+use crate::device::dense::Layers;
 use crate::flatten::UvMap;
 
 /// Steps between two entries of a chart's history.

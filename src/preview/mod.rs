@@ -1,10 +1,11 @@
 //! The two pictures of a result: the UV layout as SVG, and one PNG that shows a checker on the shaded
 //! object, its parts and its layout, drawn on the CPU. Same input, same bytes. A contact sheet shows
-//! many results.
+//! many results, curves show a training run.
 
 mod camera;
 mod canvas;
 mod checker;
+mod curves;
 mod layout;
 mod lines;
 mod occlusion;
@@ -20,6 +21,7 @@ mod svg;
 mod tests;
 mod text;
 
+pub use curves::{Curve, curves_png};
 pub use palette::part_color;
 pub use picture::{PreviewError, preview_png};
 pub use sheet::{SheetCell, SheetError, contact_sheet};

@@ -3,6 +3,7 @@
 //! separate parts.
 
 mod agglomerate;
+pub mod agreement;
 mod authored;
 mod dual;
 mod error;
@@ -10,8 +11,10 @@ mod geometric;
 mod given;
 mod graph_cut;
 mod labels;
+pub mod point_mae;
 mod scores;
 mod sheets;
+pub mod thickness;
 mod votes;
 
 pub use error::SegmentationError;

@@ -2,17 +2,31 @@
 //! drawn from a seed; its resolution is then chosen so that it has about the wanted number of
 //! triangles. Units are metres, y points up, surfaces are closed and wound outwards.
 
+mod airplane;
+mod bearing;
+mod bed;
+mod bottle;
+mod bucket;
 mod chair;
+mod faucet;
 mod fuse;
+mod glasses;
 mod glb;
 mod knife;
+mod lamp;
 mod laptop;
+mod mug;
 mod profile;
 pub mod samples;
+mod scissors;
 mod shading;
 mod skateboard;
 mod solid;
+mod storage;
+mod suitcase;
 mod table;
+mod toaster;
+mod vase;
 
 use clap::ValueEnum;
 use glam::DVec3;
@@ -35,12 +49,59 @@ pub enum SynthKind {
     Laptop,
     /// Deck, trucks, wheels and bolts.
     Skateboard,
+    /// Foot, pole, shade.
+    Lamp,
+    /// A cup, mug or goblet: body, handles, foot.
+    Mug,
+    /// Body, neck, cap, sometimes a grip.
+    Bottle,
+    /// A turned body, foot, handles.
+    Vase,
+    /// Scissors or pliers: blades or jaws, shanks, handles, screw.
+    Scissors,
+    /// A cabinet or shelf: boards, drawers or doors, handles, legs.
+    Storage,
+    /// Frame, mattress, pillows, boards, legs.
+    Bed,
+    /// Base, spout, stems, handles.
+    Faucet,
+    /// Rims, lenses, bridge, hinges, temples.
+    Glasses,
+    /// Fuselage, wings, tail, engines.
+    Airplane,
+    /// Body, rim, ears, bail.
+    Bucket,
+    /// A machine part: hub, flanges, bolts, shaft, base.
+    Bearing,
+    /// A small appliance: body, slots or door, knobs, feet.
+    Toaster,
+    /// Base, lid, handle, latches, wheels.
+    Suitcase,
 }
 
 impl SynthKind {
     /// Every kind.
-    pub const ALL: [SynthKind; 5] =
-        [Self::Chair, Self::Table, Self::Knife, Self::Laptop, Self::Skateboard];
+    pub const ALL: [SynthKind; 19] = [
+        Self::Chair,
+        Self::Table,
+        Self::Knife,
+        Self::Laptop,
+        Self::Skateboard,
+        Self::Lamp,
+        Self::Mug,
+        Self::Bottle,
+        Self::Vase,
+        Self::Scissors,
+        Self::Storage,
+        Self::Bed,
+        Self::Faucet,
+        Self::Glasses,
+        Self::Airplane,
+        Self::Bucket,
+        Self::Bearing,
+        Self::Toaster,
+        Self::Suitcase,
+    ];
 
     /// Its name in lower case.
     pub fn as_str(self) -> &'static str {
@@ -50,6 +111,20 @@ impl SynthKind {
             Self::Knife => "knife",
             Self::Laptop => "laptop",
             Self::Skateboard => "skateboard",
+            Self::Lamp => "lamp",
+            Self::Mug => "mug",
+            Self::Bottle => "bottle",
+            Self::Vase => "vase",
+            Self::Scissors => "scissors",
+            Self::Storage => "storage",
+            Self::Bed => "bed",
+            Self::Faucet => "faucet",
+            Self::Glasses => "glasses",
+            Self::Airplane => "airplane",
+            Self::Bucket => "bucket",
+            Self::Bearing => "bearing",
+            Self::Toaster => "toaster",
+            Self::Suitcase => "suitcase",
         }
     }
 }
@@ -163,6 +238,12 @@ pub fn make(kind: SynthKind, seed: u64, style: SynthStyle) -> SynthObject {
     SynthObject { kind, variant, parts: with_triangles(kind, seed, style.triangles), fused: None }
 }
 
+/// Make an object at the resolution that its shapes were drawn for, whatever triangles that takes.
+pub fn coarse(kind: SynthKind, seed: u64) -> SynthObject {
+    let (variant, parts) = (SynthVariant::MultiNode, parts(kind, seed, Detail(1.0)));
+    SynthObject { kind, variant, parts, fused: None }
+}
+
 /// The parts at the resolution whose triangle count is nearest to the wanted one.
 fn with_triangles(kind: SynthKind, seed: u64, wanted: usize) -> Vec<SynthPart> {
     let count = |parts: &[SynthPart]| parts.iter().map(|p| p.triangles.len()).sum::<usize>();
@@ -192,6 +273,20 @@ fn parts(kind: SynthKind, seed: u64, detail: Detail) -> Vec<SynthPart> {
         SynthKind::Knife => knife::parts(&mut rng, detail),
         SynthKind::Laptop => laptop::parts(&mut rng, detail),
         SynthKind::Skateboard => skateboard::parts(&mut rng, detail),
+        SynthKind::Lamp => lamp::parts(&mut rng, detail),
+        SynthKind::Mug => mug::parts(&mut rng, detail),
+        SynthKind::Bottle => bottle::parts(&mut rng, detail),
+        SynthKind::Vase => vase::parts(&mut rng, detail),
+        SynthKind::Scissors => scissors::parts(&mut rng, detail),
+        SynthKind::Storage => storage::parts(&mut rng, detail),
+        SynthKind::Bed => bed::parts(&mut rng, detail),
+        SynthKind::Faucet => faucet::parts(&mut rng, detail),
+        SynthKind::Glasses => glasses::parts(&mut rng, detail),
+        SynthKind::Airplane => airplane::parts(&mut rng, detail),
+        SynthKind::Bucket => bucket::parts(&mut rng, detail),
+        SynthKind::Bearing => bearing::parts(&mut rng, detail),
+        SynthKind::Toaster => toaster::parts(&mut rng, detail),
+        SynthKind::Suitcase => suitcase::parts(&mut rng, detail),
     }
 }
 

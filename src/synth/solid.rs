@@ -293,6 +293,67 @@ pub(super) fn tube(path: &[DVec3], radius: impl Fn(f64) -> f64, sides: usize) ->
     skin(&rings, Cap::Fan)
 }
 
+/// A closed tube about a closed flat path: `normal` is perpendicular to its plane.
+pub(super) fn hoop(path: &[DVec3], normal: DVec3, radius: f64, sides: usize) -> Solid {
+    let n = path.len();
+    let mut s = Solid::default();
+    let ids: Vec<Vec<u32>> = (0..n)
+        .map(|i| {
+            let tangent = (path[(i + 1) % n] - path[(i + n - 1) % n]).normalize_or(DVec3::X);
+            let out = tangent.cross(normal).normalize_or(DVec3::X);
+            let point = |j: usize| {
+                let (sin, cos) = (TAU * j as f64 / sides as f64).sin_cos();
+                path[i] + radius * (cos * out + sin * normal)
+            };
+            (0..sides).map(|j| s.vertex(point(j))).collect()
+        })
+        .collect();
+    for i in 0..n {
+        let (a, b) = (&ids[i], &ids[(i + 1) % n]);
+        for j in 0..sides {
+            let k = (j + 1) % sides;
+            s.quad([a[j], a[k], b[k], b[j]]);
+        }
+    }
+    s.wound_outwards()
+}
+
+/// A vessel about the y axis: its outside from the foot to the lip (radius, height), a wall and a floor of
+/// these thicknesses.
+pub(super) fn vessel(outer: &[DVec2], wall: f64, floor: f64, sides: usize) -> Solid {
+    let mut profile = vec![DVec2::ZERO];
+    profile.extend_from_slice(outer);
+    let foot = outer.first().map_or(0.0, |p| p.y);
+    let inside = outer.iter().rev().map(|p| DVec2::new(p.x - wall, p.y));
+    profile.extend(inside.clone().filter(|p| p.y > foot + 1.5 * floor));
+    let last = outer.first().map_or(0.0, |p| p.x - wall);
+    profile.extend([DVec2::new(last, foot + floor), DVec2::new(0.0, foot + floor)]);
+    lathe(&profile, sides)
+}
+
+/// A cylinder on the y axis with a bore through it.
+pub(super) fn hollow(radius: f64, bore: f64, height: f64, sides: usize, rows: usize) -> Solid {
+    let column = (0..=rows).map(|i| height * i as f64 / rows as f64);
+    let outside = column.clone().map(|y| DVec2::new(radius, y));
+    let inside = column.rev().map(|y| DVec2::new(bore, y));
+    let section: Vec<DVec2> = outside.chain(inside).collect();
+    let mut s = Solid::default();
+    let ids: Vec<Vec<u32>> = (0..sides)
+        .map(|i| {
+            let (sin, cos) = (TAU * i as f64 / sides as f64).sin_cos();
+            section.iter().map(|p| s.vertex(DVec3::new(p.x * cos, p.y, -p.x * sin))).collect()
+        })
+        .collect();
+    for i in 0..sides {
+        let (a, b) = (&ids[i], &ids[(i + 1) % sides]);
+        for j in 0..section.len() {
+            let k = (j + 1) % section.len();
+            s.quad([a[j], b[j], b[k], a[k]]);
+        }
+    }
+    s.wound_outwards()
+}
+
 /// The square [−1, 1]² pressed into the superellipse |x|ᵖ + |y|ᵖ ≤ 1, less and less towards the
 /// middle. `power` 2 is a disk, ∞ the square.
 pub(super) fn squircle(u: f64, v: f64, power: f64) -> DVec2 {

@@ -10,7 +10,7 @@ use faer::traits::pulp::{Arch, NullaryFnOnce};
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-use super::activation::{Activation, gelu, sigmoid_with_slope};
+use super::activation::{Activation, gelu, relu_with_slope, sigmoid_with_slope};
 
 /// Rows of one task. Fits the second-level cache at the usual widths.
 const BLOCK: usize = 256;
@@ -86,6 +86,7 @@ impl NullaryFnOnce for Activate<'_> {
             Activation::Linear => y.chunks_exact_mut(bias.len()).for_each(|y| add(y, bias)),
             Activation::Gelu => apply(y, slope, bias, gelu),
             Activation::Sigmoid => apply(y, slope, bias, sigmoid_with_slope),
+            Activation::Relu => apply(y, slope, bias, relu_with_slope),
         }
     }
 }

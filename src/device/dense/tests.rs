@@ -47,7 +47,8 @@ fn layer(layers: &Layers, activation: Activation) -> Vec<Vec<f32>> {
 
 #[test]
 fn dense_is_the_composed_layer() {
-    for activation in [Activation::Linear, Activation::Gelu, Activation::Sigmoid] {
+    for activation in [Activation::Linear, Activation::Gelu, Activation::Sigmoid, Activation::Relu]
+    {
         let fused = layer(&Layers::new(&ROWS, &Device::cpu()), activation);
         let composed = layer(&Layers::composed(&ROWS), activation);
         for (fused, composed) in fused.iter().zip(&composed) {

@@ -20,7 +20,7 @@ use burn::tensor::Tensor;
 
 pub use activation::Activation;
 
-use crate::device::{Device, DeviceKind};
+use super::{Device, DeviceKind};
 
 /// Rows that each chart of a batch really has; the others are padding.
 pub type Rows = Arc<[usize]>;

@@ -3,7 +3,7 @@
 //! arXiv 1606.08415), as z·σ(2c(z + a z³)) with c = √(2/π), a = 0.044715.
 
 use burn::tensor::Tensor;
-use burn::tensor::activation::sigmoid;
+use burn::tensor::activation::{relu, sigmoid};
 
 /// What stands after a linear map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum Activation {
     Gelu,
     /// Logistic sigmoid.
     Sigmoid,
+    /// The positive part.
+    Relu,
 }
 
 /// 2√(2/π).
@@ -31,6 +33,7 @@ impl Activation {
                 z * sigmoid(inner)
             }
             Self::Sigmoid => sigmoid(z),
+            Self::Relu => relu(z),
         }
     }
 }
@@ -70,6 +73,12 @@ pub(super) fn gelu(z: f32) -> (f32, f32) {
 pub(super) fn sigmoid_with_slope(z: f32) -> (f32, f32) {
     let s = logistic(z);
     (s, s * (1.0 - s))
+}
+
+/// Value and slope of the positive part at `z`.
+#[inline(always)]
+pub(super) fn relu_with_slope(z: f32) -> (f32, f32) {
+    if z > 0.0 { (z, 1.0) } else { (0.0, 0.0) }
 }
 
 #[cfg(test)]

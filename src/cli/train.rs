@@ -1,0 +1,134 @@
+//! `uvsegnet train`: train the segmentation network.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::contract::Run;
+use crate::device::{DeviceChoice, choose};
+use crate::segmentation::point_mae::ModelSize;
+use crate::training::{self, Data, Event, Recipe, Task};
+
+/// Arguments of `uvsegnet train`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Pre-train the encoder without labels, as a masked autoencoder.
+    Pretrain(How),
+    /// Learn parts and names from labelled objects.
+    Finetune(How),
+}
+
+/// How to train.
+#[derive(Debug, clap::Args)]
+struct How {
+    /// Folder of the run: checkpoints, weights, curves. A run that stands there is taken up again.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Folders with labelled meshes: X.obj or X.glb, X.labels.txt or X.inst.txt, X.parts.json.
+    #[arg(long = "data")]
+    folders: Vec<PathBuf>,
+    /// Procedural objects to learn from.
+    #[arg(long, default_value_t = 3000)]
+    procedural: usize,
+    /// Beginnings of the licences under which objects of the folders may be used.
+    #[arg(long = "licence", default_values_t = ["MIT".to_owned(), "CC-BY-4.0".to_owned(), "CC0".to_owned()])]
+    licences: Vec<String>,
+    /// Use objects of any licence. Weights trained so may not be passed on.
+    #[arg(long, conflicts_with = "licences")]
+    any_licence: bool,
+    /// Per cent of each batch that come from the folders.
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(0..=100))]
+    real_percent: u32,
+    /// Per cent of the families that are held out for validation.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=90))]
+    held_out_percent: u32,
+    /// Which network.
+    #[arg(long, value_enum, default_value = "small")]
+    size: ModelSize,
+    /// Optimizer steps.
+    #[arg(long, default_value_t = 6000, value_parser = clap::value_parser!(u32).range(1..))]
+    steps: u32,
+    /// Objects a step.
+    #[arg(long, default_value_t = 8)]
+    batch: usize,
+    /// Highest learning rate.
+    #[arg(long, default_value_t = 1e-3)]
+    rate: f64,
+    /// Seed of weights, data and order.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Weights to start from: safetensors, or a Point-MAE checkpoint of PyTorch.
+    #[arg(long)]
+    start: Option<PathBuf>,
+    /// Steps between validations and checkpoints.
+    #[arg(long, default_value_t = 250, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Where to train: cpu, gpu, gpu:N, auto.
+    #[arg(long, default_value_t)]
+    device: DeviceChoice,
+}
+
+/// Run it.
+pub fn run(args: Args) -> Result<()> {
+    let (task, how) = match args.what {
+        What::Pretrain(how) => (Task::Pretrain, how),
+        What::Finetune(how) => (Task::Finetune, how),
+    };
+    let recipe = Recipe {
+        task,
+        size: how.size,
+        data: Data {
+            procedural: how.procedural,
+            folders: how.folders,
+            licences: if how.any_licence { Vec::new() } else { how.licences },
+            real_percent: how.real_percent,
+            held_out_percent: how.held_out_percent,
+        },
+        steps: how.steps,
+        batch: how.batch.max(1),
+        rate: how.rate,
+        seed: how.seed,
+        start: how.start,
+        every: how.every,
+    };
+    let device = choose(&how.device)?;
+    eprintln!("training on {}", device.description());
+    let bar = ProgressBar::new(u64::from(recipe.steps)).with_style(ProgressStyle::with_template(
+        "{bar:30} {pos}/{len} steps, {elapsed} gone, {eta} to go, loss {msg}",
+    )?);
+    let mut smooth = f64::NAN;
+    let report = training::train(&recipe, &how.output, &device, &Run::quiet(), &mut |event| {
+        match event {
+            Event::Data(learned, real, held_out, left_out) => bar.println(format!(
+                "{learned} examples ({real} of them real), {held_out} held out, {left_out} left out for \
+                 their licence"
+            )),
+            Event::Step(step, loss) => {
+                smooth = if smooth.is_nan() { loss } else { 0.98 * smooth + 0.02 * loss };
+                bar.set_message(format!("{smooth:.4}"));
+                bar.set_position(u64::from(step));
+            }
+            Event::Score(step, s) => bar.println(format!(
+                "step {step}: loss {smooth:.4}, held-out mIoU {:.3}, Rand {:.3}, names {:.3}",
+                s.miou, s.rand, s.names
+            )),
+        }
+    })?;
+    bar.finish_and_clear();
+    eprintln!(
+        "{} steps in {:.0} s, loss {:.4}; weights in {}",
+        report.steps,
+        report.seconds,
+        report.loss,
+        how.output.join("model.safetensors").display()
+    );
+    Ok(())
+}

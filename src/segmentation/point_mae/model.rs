@@ -1,0 +1,73 @@
+//! The network: groups → tokens → encoder → points.
+
+use burn::module::Module;
+use burn::tensor::Tensor;
+
+use super::cloud::{Grouped, NetworkCloud, grouped, queries};
+use super::config::PointMaeConfig;
+use super::embedding::{Embedding, Position};
+use super::head::{Head, PointFeatures};
+use super::layer::Maker;
+use super::transformer::Transformer;
+use crate::device::Device;
+
+/// What pre-training makes and segmentation uses.
+#[derive(Module, Debug)]
+pub struct Encoder {
+    pub(super) embedding: Embedding,
+    pub(super) position: Position,
+    pub(super) transformer: Transformer,
+}
+
+impl Encoder {
+    fn new(config: &PointMaeConfig, maker: &mut Maker) -> Self {
+        Self {
+            embedding: Embedding::new(config, maker),
+            position: Position::new(config.width, maker),
+            transformer: Transformer::new(config.depth, config.width, config.heads, maker),
+        }
+    }
+
+    /// Tokens `[batch, groups, width]` and their positions.
+    pub fn tokens(&self, groups: &Grouped, device: &Device) -> (Tensor<3>, Tensor<3>) {
+        let [batch, count, _] = groups.centres.dims();
+        let tokens = self.embedding.forward(groups.neighbourhoods.clone(), device);
+        let [_, width] = tokens.dims();
+        let position = self.position.forward(groups.centres.clone(), device);
+        (tokens.reshape([batch, count, width]), position)
+    }
+}
+
+/// Point-MAE for part segmentation.
+#[derive(Module, Debug)]
+pub struct PointMae {
+    /// The encoder.
+    pub encoder: Encoder,
+    /// Propagation and heads.
+    pub head: Head,
+}
+
+impl PointMae {
+    /// A network whose parameters are drawn from `seed`.
+    pub fn new(config: &PointMaeConfig, seed: u64, device: &burn::tensor::Device) -> Self {
+        let mut maker = Maker::new(seed, device);
+        let encoder = Encoder::new(config, &mut maker);
+        Self { encoder, head: Head::new(config, &mut maker) }
+    }
+
+    /// Features at `points` (equally many a cloud) of clouds that `seen` are.
+    pub fn forward(
+        &self,
+        config: &PointMaeConfig,
+        seen: &[NetworkCloud],
+        points: &[NetworkCloud],
+        device: &Device,
+        tensors: &burn::tensor::Device,
+    ) -> PointFeatures {
+        let groups = grouped(seen, config, tensors);
+        let (tokens, position) = self.encoder.tokens(&groups, device);
+        let taps = self.encoder.transformer.forward(tokens, position, &config.taps, device);
+        let (points, interpolation) = queries(points, &groups, config, tensors);
+        self.head.forward(taps, points, interpolation, device)
+    }
+}

@@ -1,0 +1,23 @@
+//! Training of the segmentation network: examples from procedural objects (`procedural`), from our own
+//! labelled folders (`folder`) and from published sets (`partnet`, `shapenet`); pre-training without
+//! labels and fine-tuning with them (`trainer`), resumable, with loss curves.
+
+mod augment;
+mod checkpoint;
+mod example;
+mod folder;
+mod loss;
+mod names;
+mod procedural;
+mod recipe;
+mod trainer;
+mod union;
+mod validation;
+
+pub use example::Example;
+pub use folder::{FolderError, load_folder};
+pub use names::name_index;
+pub use procedural::{ProceduralStyle, example as procedural_example};
+pub use recipe::{Data, Recipe, Task};
+pub use trainer::{Event, Report, TrainError, held_out, train};
+pub use validation::Score;

@@ -1,0 +1,113 @@
+//! Examples from the procedural generator: the shape drawn, stretched, roughened, half of them as one
+//! body whose parts have no walls between them.
+
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::example::{Example, Labels, POINTS};
+use super::names::name_index;
+use super::union;
+use crate::contract::{Canceled, Run};
+use crate::mesh::rays::Rays;
+use crate::mesh::{self, Scene};
+use crate::sampling::{self, SampleCounts};
+use crate::synth::{self, SynthKind, SynthObject};
+
+/// Most that an axis is stretched or squeezed.
+const STRETCH: f64 = 1.35;
+
+/// Which object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProceduralStyle {
+    /// What it is.
+    pub kind: SynthKind,
+    /// Which one.
+    pub seed: u64,
+}
+
+impl ProceduralStyle {
+    /// `count` objects, every kind in turn.
+    pub fn series(count: usize, seed: u64) -> Vec<Self> {
+        let kind = |i: usize| SynthKind::ALL[i % SynthKind::ALL.len()];
+        (0..count).map(|i| Self { kind: kind(i), seed: seed.wrapping_add(i as u64) }).collect()
+    }
+}
+
+/// The example of an object. Objects of odd draw are one body: points inside other parts are gone.
+pub fn example(style: ProceduralStyle, run: &Run) -> Result<Example, Canceled> {
+    let mut rng = ChaCha8Rng::seed_from_u64(style.seed ^ 0x5eed_0000_0000_0000);
+    let fused = rng.random_bool(0.6);
+    let stretch: DVec3 = std::array::from_fn(|_| STRETCH.powf(rng.random_range(-1.0..1.0))).into();
+    let mut object = synth::coarse(style.kind, style.seed);
+    stretch_parts(&mut object, stretch);
+    let scene = scene_of(&object);
+    let surface = mesh::condition(&scene, run)?;
+    let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
+    let of_part: Vec<i32> =
+        object.parts.iter().map(|p| name_index(p.coarse_name()).map_or(-1, |i| i as i32)).collect();
+    let names: Vec<i32> = parts.iter().map(|&p| of_part[p as usize]).collect();
+    let labels = Labels { parts: &parts, names: &names };
+    let mut example = if fused {
+        let counts = SampleCounts { base: 3 * POINTS, extra: 0.1 };
+        let cloud = sampling::sample(&surface, counts, style.seed, run)?;
+        let rays = Rays::new(&surface);
+        let cloud = union::outside(&surface, &rays, &cloud);
+        Example::of_cloud(&cloud, &labels, |c| union::thickness(&surface, &rays, c), run)?
+    } else {
+        Example::of_surface(&surface, &labels, style.seed, run)?
+    };
+    example.category = style.kind.as_str().to_owned();
+    example.id = format!("{}_{}", example.category, style.seed);
+    example.family = example.id.clone();
+    Ok(example)
+}
+
+fn stretch_parts(object: &mut SynthObject, by: DVec3) {
+    for part in &mut object.parts {
+        part.positions.iter_mut().for_each(|p| *p *= by);
+    }
+}
+
+/// The object as the pipeline would read it.
+fn scene_of(object: &SynthObject) -> Scene {
+    let document = mesh::Document::Gltf { json: serde_json::Value::Null, buffers: Vec::new() };
+    let primitives = (0u32..).zip(&object.parts).map(|(i, part)| mesh::Primitive {
+        node: i,
+        mesh: i,
+        name: part.name.clone(),
+        positions: part.positions.clone(),
+        triangles: part.triangles.clone(),
+        ..Default::default()
+    });
+    let primitives = primitives.collect();
+    Scene { document, primitives, labels: None, warnings: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_gives_an_example_with_its_parts() {
+        for kind in SynthKind::ALL {
+            for seed in 0..2 {
+                let example = example(ProceduralStyle { kind, seed }, &Run::quiet()).unwrap();
+                let parts: std::collections::BTreeSet<i32> = example.part.iter().copied().collect();
+                assert!(parts.len() > 1, "{kind:?} {seed}: {parts:?}");
+                assert!(example.len() > POINTS / 2, "{kind:?} {seed}: {} points", example.len());
+                let known = example.name.iter().filter(|n| **n >= 0).count();
+                assert!(2 * known > example.len(), "{kind:?} {seed}: {known} points named");
+                let thick = example.cloud.thickness.iter().filter(|t| **t > 0.0).count();
+                assert!(10 * thick > 9 * example.len(), "{kind:?} {seed}: {thick} thick");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_example() {
+        let style = ProceduralStyle { kind: SynthKind::Lamp, seed: 3 };
+        let make = || example(style, &Run::quiet()).unwrap();
+        assert_eq!(make(), make());
+    }
+}
