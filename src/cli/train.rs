@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 
 use crate::contract::Run;
 use crate::device::{DeviceChoice, choose};
-use crate::segmentation::point_mae::ModelSize;
+use crate::segmentation::point_mae::{ModelSize, PointMae, load};
+use crate::synth::{SynthKind, SynthVariant};
 use crate::training::{self, Data, Event, Recipe, Task};
 
 /// Arguments of `uvsegnet train`.
@@ -24,6 +26,71 @@ enum What {
     Pretrain(How),
     /// Learn parts and names from labelled objects.
     Finetune(How),
+    /// Learn, with a network that is trained, where regions of an object join to parts.
+    Joins(Joins),
+}
+
+/// How to train the judge of joins.
+#[derive(Debug, clap::Args)]
+struct Joins {
+    /// The trained network.
+    #[arg(long)]
+    weights: PathBuf,
+    /// Which network it is.
+    #[arg(long, value_enum, default_value = "small")]
+    size: ModelSize,
+    /// Where the whole is written, as safetensors.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Folders with labelled meshes.
+    #[arg(long = "data")]
+    folders: Vec<PathBuf>,
+    /// Procedural objects of each kind; half of them fused.
+    #[arg(long, default_value_t = 8)]
+    procedural: usize,
+    /// Beginnings of the licences under which objects of the folders may be used.
+    #[arg(long = "licence", default_values_t = ["MIT".to_owned(), "CC-BY-4.0".to_owned(), "CC0".to_owned()])]
+    licences: Vec<String>,
+    /// Per cent of the families that are held out, as in the network's own training.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=90))]
+    held_out_percent: u32,
+    /// Seed, as in the network's own training.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where to run the network.
+    #[arg(long, default_value_t)]
+    device: DeviceChoice,
+}
+
+/// Train the judge of joins.
+fn joins(args: Joins) -> Result<()> {
+    let (run, device) = (Run::quiet(), choose(&args.device)?);
+    let config = args.size.config();
+    let mut model = PointMae::new(&config, args.seed, &device.burn());
+    load(&mut model, &config, &args.weights)?;
+    let spare = |family: &str| training::held_out(family, args.seed, args.held_out_percent);
+    let mut meshes = training::meshes_of(&args.folders, &args.licences, spare, &run)?;
+    let real = meshes.len();
+    let made: Vec<(SynthKind, u64)> = SynthKind::ALL
+        .into_iter()
+        .flat_map(|kind| (0..args.procedural as u64).map(move |i| (kind, i)))
+        .collect();
+    // Seeds that the network has not seen.
+    let make = |&(kind, i): &(SynthKind, u64)| {
+        let variant = if i % 2 == 0 { SynthVariant::Fused } else { SynthVariant::SingleMesh };
+        let seed = (1 << 62) + (args.seed << 20) + i;
+        training::procedural_mesh(kind, seed, variant, 3000, &run)
+    };
+    let procedural: Result<Vec<_>, _> = made.par_iter().map(make).collect();
+    meshes.extend(procedural?);
+    eprintln!("{} objects, {real} of them real", meshes.len());
+    let known = training::know(meshes, &model, config, &device, args.seed, &run)?;
+    let head = training::train_joins(&known, args.seed, &device, &run, |round, pairs, loss| {
+        eprintln!("round {}: {pairs} pairs, loss {loss:.4}", round + 1);
+    })?;
+    training::save_whole(&model, head, &args.output)?;
+    eprintln!("written to {}", args.output.display());
+    Ok(())
 }
 
 /// How to train.
@@ -81,6 +148,7 @@ pub fn run(args: Args) -> Result<()> {
     let (task, how) = match args.what {
         What::Pretrain(how) => (Task::Pretrain, how),
         What::Finetune(how) => (Task::Finetune, how),
+        What::Joins(args) => return joins(args),
     };
     let recipe = Recipe {
         task,
@@ -107,19 +175,23 @@ pub fn run(args: Args) -> Result<()> {
     let mut smooth = f64::NAN;
     let report = training::train(&recipe, &how.output, &device, &Run::quiet(), &mut |event| {
         match event {
-            Event::Data(learned, real, held_out, left_out) => bar.println(format!(
-                "{learned} examples ({real} of them real), {held_out} held out, {left_out} left out for \
-                 their licence"
-            )),
+            Event::Data(learned, real, held_out, left_out) => bar.suspend(|| {
+                eprintln!(
+                    "{learned} examples ({real} of them real), {held_out} held out, {left_out} left \
+                     out for their licence"
+                );
+            }),
             Event::Step(step, loss) => {
                 smooth = if smooth.is_nan() { loss } else { 0.98 * smooth + 0.02 * loss };
                 bar.set_message(format!("{smooth:.4}"));
                 bar.set_position(u64::from(step));
             }
-            Event::Score(step, s) => bar.println(format!(
-                "step {step}: loss {smooth:.4}, held-out mIoU {:.3}, Rand {:.3}, names {:.3}",
-                s.miou, s.rand, s.names
-            )),
+            Event::Score(step, s) => bar.suspend(|| {
+                eprintln!(
+                    "step {step}: loss {smooth:.4}, held-out mIoU {:.3}, Rand {:.3}, names {:.3}",
+                    s.miou, s.rand, s.names
+                );
+            }),
         }
     })?;
     bar.finish_and_clear();

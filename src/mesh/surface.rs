@@ -27,6 +27,9 @@ pub struct FaceOrigin {
     /// Connected component, counted within the primitive's own vertices (before welding across
     /// primitives).
     pub component: u32,
+    /// Faces that hang together by the file's own vertices, nothing welded: what the author kept apart
+    /// has another shell, but so has each smooth patch of a file that splits vertices at hard edges.
+    pub shell: u32,
 }
 
 /// A conditioned triangle surface.

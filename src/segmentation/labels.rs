@@ -37,8 +37,8 @@ impl PartLabels {
     }
 }
 
-/// Number the connected pieces of each label. Faces are connected over shared edges; the two faces
-/// of a double-sided sheet are one place and so one piece.
+/// Number the connected pieces of each label. Faces are connected over shared edges and the scores'
+/// bridges; the two faces of a double-sided sheet are one place and so one piece.
 pub fn connected_parts(
     surface: &Surface,
     dual: &DualGraph,
@@ -47,6 +47,11 @@ pub fn connected_parts(
 ) -> PartLabels {
     let mut labels = vec![NONE; label.len()];
     let mut of_part: Vec<Option<&Candidate>> = Vec::new();
+    let mut bridges: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &(f, g) in &scores.bridges {
+        bridges.entry(f).or_default().push(g);
+        bridges.entry(g).or_default().push(f);
+    }
     let mut stack = Vec::new();
     for seed in 0..label.len() {
         if labels[seed] != NONE || !surface.usable[seed] {
@@ -57,7 +62,8 @@ pub fn connected_parts(
         labels[seed] = id;
         stack.push(seed as u32);
         while let Some(f) = stack.pop() {
-            for &(g, _) in dual.links(f) {
+            let across = bridges.get(&f).map_or(&[][..], Vec::as_slice);
+            for &g in dual.links(f).iter().map(|(g, _)| g).chain(across) {
                 let g_is_free = labels[g as usize] == NONE && surface.usable[g as usize];
                 if g_is_free && label[g as usize] == label[seed] {
                     labels[g as usize] = id;

@@ -25,4 +25,6 @@ pub struct PartScores {
     pub votes: Vec<i32>,
     /// Weight of each point's vote, 0 to 1. Length: as `votes`.
     pub weights: Vec<f32>,
+    /// Pairs of faces of bodies that touch and are of one part: such a part is not connected by edges.
+    pub bridges: Vec<(u32, u32)>,
 }

@@ -84,7 +84,7 @@ fn draw(example: &Example, rng: &mut ChaCha8Rng) -> Vec<usize> {
         0 | 1 => {
             // The farthest-first order, entered at a random place: still spread evenly.
             let most = n.saturating_sub(SEEN);
-            let skipped = rng.random_range(0..=most / 4);
+            let skipped = rng.random_range(0..=most / 8);
             (0..SEEN).map(|i| (i + skipped) % n).collect()
         }
         2 => (0..SEEN).map(|_| rng.random_range(0..n)).collect(),

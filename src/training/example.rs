@@ -22,7 +22,7 @@ pub struct Example {
     pub family: String,
     /// Its category.
     pub category: String,
-    /// The points, farthest first: any first n are spread evenly.
+    /// The points. The first half are spread evenly, farthest first; the others lie as sampled.
     pub cloud: NetworkCloud,
     /// Part of each point, −1 unknown.
     pub part: Vec<i32>,
@@ -46,7 +46,7 @@ impl Example {
         seed: u64,
         run: &Run,
     ) -> Result<Self, Canceled> {
-        let counts = SampleCounts { base: 4 * POINTS, extra: 0.1 };
+        let counts = SampleCounts { base: 3 * POINTS, extra: 0.1 };
         let cloud = sampling::sample(surface, counts, seed, run)?;
         let rays = Rays::new(surface);
         let through =
@@ -61,7 +61,21 @@ impl Example {
         through: impl Fn(&PointCloud) -> Vec<f32>,
         run: &Run,
     ) -> Result<Self, Canceled> {
-        let cloud = cloud.subset(&farthest_points(cloud, POINTS, run)?);
+        // The first half farthest first, from four times as many; the rest as the sampling had it.
+        let few = POINTS / 2;
+        let thin: Vec<u32> = (0..cloud.len().min(4 * few))
+            .map(|i| (i * cloud.len() / cloud.len().min(4 * few)) as u32)
+            .collect();
+        let thin = cloud.subset(&thin);
+        let mut order = farthest_points(&thin, few, run)?;
+        let mut taken = vec![false; thin.len()];
+        order.iter().for_each(|&i| taken[i as usize] = true);
+        let others = (0..thin.len() as u32).filter(|&i| !taken[i as usize]);
+        // Spread over the faces' order.
+        let others: Vec<u32> = others.collect();
+        let more = (POINTS - few).min(others.len());
+        order.extend((0..more).map(|i| others[i * others.len() / more]));
+        let cloud = thin.subset(&order);
         let narrow = |p: &DVec3| p.as_vec3().to_array();
         let of = |labels: &[i32]| cloud.faces.iter().map(|&f| labels[f as usize]).collect();
         let (part, name): (Vec<i32>, Vec<i32>) = (of(labels.parts), of(labels.names));

@@ -36,6 +36,7 @@ struct PartsFile {
     category: String,
     family: String,
     licence: String,
+    source: String,
     labels: BTreeMap<String, String>,
     coarse: BTreeMap<String, String>,
     semantic_auto: BTreeMap<String, String>,
@@ -50,6 +51,8 @@ pub struct LabelledMesh {
     pub category: String,
     /// Its family.
     pub family: String,
+    /// Where it comes from.
+    pub source: String,
     /// The conditioned surface.
     pub surface: Surface,
     /// Part of each face, −1 unknown.
@@ -81,9 +84,13 @@ pub fn meshes(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
     Ok(found)
 }
 
-/// The licence of a mesh of a folder, without reading the mesh.
-pub fn licence(mesh: &Path) -> Result<String, FolderError> {
-    Ok(parts_file(mesh)?.licence)
+/// Whether the licence of a mesh begins with one of `licences`, or there are none to ask for.
+pub fn is_allowed(mesh: &Path, licences: &[String]) -> Result<bool, FolderError> {
+    if licences.is_empty() {
+        return Ok(true);
+    }
+    let licence = parts_file(mesh)?.licence;
+    Ok(licences.iter().any(|l| licence.starts_with(l.as_str())))
 }
 
 /// Read one labelled mesh.
@@ -113,7 +120,8 @@ pub fn read(path: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
     let surface = mesh::condition(&scene, run).map_err(|e| error(path, e))?;
     let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let family = if about.family.is_empty() { id.clone() } else { about.family };
-    Ok(LabelledMesh { id, category: about.category, family, surface, parts, names })
+    let (category, source) = (about.category, about.source);
+    Ok(LabelledMesh { id, category, family, source, surface, parts, names })
 }
 
 /// The examples of a folder's meshes whose licence begins with one of `licences` (all, if there are
@@ -125,19 +133,15 @@ pub fn load_folder(
     run: &Run,
 ) -> Result<(Vec<Example>, usize), FolderError> {
     use rayon::prelude::*;
-    let mut files = meshes(folder)?;
-    let all = files.len();
-    if !licences.is_empty() {
-        let allowed = |licence: String| licences.iter().any(|l| licence.starts_with(l.as_str()));
-        let mut kept = Vec::new();
-        for file in files {
-            if allowed(licence(&file)?) {
-                kept.push(file);
-            }
+    let all = meshes(folder)?;
+    let count = all.len();
+    let mut files = Vec::new();
+    for file in all {
+        if is_allowed(&file, licences)? {
+            files.push(file);
         }
-        files = kept;
     }
-    let left_out = all - files.len();
+    let left_out = count - files.len();
     let example = |path: &PathBuf| {
         let mesh = read(path, run)?;
         let labels = Labels { parts: &mesh.parts, names: &mesh.names };

@@ -6,6 +6,7 @@ mod augment;
 mod checkpoint;
 mod example;
 mod folder;
+mod joins;
 mod loss;
 mod names;
 mod procedural;
@@ -15,7 +16,8 @@ mod union;
 mod validation;
 
 pub use example::Example;
-pub use folder::{FolderError, load_folder};
+pub use folder::{FolderError, LabelledMesh, load_folder, read as read_labelled};
+pub use joins::{Known, know, meshes_of, procedural_mesh, save_whole, train_joins};
 pub use names::name_index;
 pub use procedural::{ProceduralStyle, example as procedural_example};
 pub use recipe::{Data, Recipe, Task};

@@ -7,6 +7,7 @@ mod how;
 mod object;
 mod peer;
 mod quality;
+mod segmentation;
 mod sheet;
 mod table;
 
@@ -27,6 +28,9 @@ enum What {
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),
+    /// Find the parts of labelled objects, by each source alone and by all together, and compare them with
+    /// the labels.
+    Segmentation(segmentation::Args),
     /// Unwrap objects and show them on one picture: checker, seams, layout, figures.
     Sheet(sheet::Args),
 }
@@ -36,6 +40,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
+        What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),
     }
 }

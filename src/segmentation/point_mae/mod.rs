@@ -15,6 +15,7 @@ mod grouping;
 mod head;
 mod layer;
 mod model;
+mod pairs;
 #[cfg(test)]
 mod tests;
 mod transformer;
@@ -27,4 +28,5 @@ pub use config::{ModelSize, NAMES, PointMaeConfig};
 pub use grouping::{Groups, group, interpolation};
 pub use head::PointFeatures;
 pub use model::{Encoder, PointMae};
+pub use pairs::{PAIR_FEATURES, PAIR_HIDDEN, PairHead};
 pub use weights::{Loaded, WeightsError, from_bytes, load, save};

@@ -8,6 +8,7 @@ use super::config::PointMaeConfig;
 use super::embedding::{Embedding, Position};
 use super::head::{Head, PointFeatures};
 use super::layer::Maker;
+use super::pairs::PairHead;
 use super::transformer::Transformer;
 use crate::device::Device;
 
@@ -45,6 +46,8 @@ pub struct PointMae {
     pub encoder: Encoder,
     /// Propagation and heads.
     pub head: Head,
+    /// The judge of pairs of regions.
+    pub pairs: PairHead,
 }
 
 impl PointMae {
@@ -52,7 +55,8 @@ impl PointMae {
     pub fn new(config: &PointMaeConfig, seed: u64, device: &burn::tensor::Device) -> Self {
         let mut maker = Maker::new(seed, device);
         let encoder = Encoder::new(config, &mut maker);
-        Self { encoder, head: Head::new(config, &mut maker) }
+        let head = Head::new(config, &mut maker);
+        Self { encoder, head, pairs: PairHead::new(&mut maker) }
     }
 
     /// Features at `points` (equally many a cloud) of clouds that `seen` are.

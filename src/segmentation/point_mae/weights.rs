@@ -67,6 +67,8 @@ pub enum WeightsError {
 pub enum Loaded {
     /// Encoder and heads: it segments.
     Whole,
+    /// Encoder and heads, but no judge of pairs: that wants training.
+    WithoutPairs,
     /// The encoder alone: it wants fine-tuning.
     EncoderOnly,
 }
@@ -102,8 +104,8 @@ pub fn load(
     match missing.iter().find(|m| m.starts_with("encoder.")) {
         Some(lacking) => unfit(format!("`{lacking}` is missing")),
         None if missing.is_empty() => Ok(Loaded::Whole),
-        None if missing.iter().all(|m| m.starts_with("head.")) => Ok(Loaded::EncoderOnly),
-        None => unfit(format!("`{}` is missing", missing[0])),
+        None if missing.iter().all(|m| m.starts_with("pairs.")) => Ok(Loaded::WithoutPairs),
+        None => Ok(Loaded::EncoderOnly),
     }
 }
 

@@ -1,0 +1,79 @@
+//! All that is known, together: regions agglomerated by the judge (`regions`), cut where a part is more
+//! likely to end than not. For each part it is told which kind of evidence decided: the one without
+//! which its borders would be doubted most.
+
+use super::point_mae::NAMES;
+use super::regions::graph::Region;
+use super::regions::{Evidence, Heard, Judge, Prepared, RegionGraph, agglomerate, features};
+use super::{Candidate, PartScores};
+use crate::contract::{Canceled, Run, SegmentationSource};
+use crate::mesh::{NONE, Surface};
+use crate::sampling::PointCloud;
+
+/// A part ends where that is at least as likely.
+pub const CUT: f64 = 0.5;
+
+/// A name is given from this share of votes on.
+const NAMED: f64 = 0.5;
+
+/// Parts of a surface by the judge, hearing only what is to be heard.
+pub fn fuse(
+    surface: &Surface,
+    cloud: &PointCloud,
+    evidence: &Evidence,
+    judge: &Judge,
+    heard: Heard,
+    run: &Run,
+) -> Result<PartScores, Canceled> {
+    let Prepared { patch, mut graph, contacts } =
+        super::regions::prepare(surface, cloud, evidence, None, run)?;
+    let boundary = |_: &RegionGraph, _: &Region, _: &Region, _: &_, x: &_| judge.boundary(x, heard);
+    let tree = agglomerate(&mut graph, &boundary, CUT, run, |_, _, _, _| true)?;
+    let of_patch = tree.cut(CUT);
+    let label: Vec<i32> =
+        patch.iter().map(|&p| if p == NONE { -1 } else { of_patch[p as usize] as i32 }).collect();
+    // The region that is left of each part stands at one of its patches.
+    let count = of_patch.iter().max().map_or(0, |m| *m as usize + 1);
+    let mut stands = vec![0u32; count];
+    for (p, &part) in (0u32..).zip(&of_patch).filter(|(p, _)| graph.region(*p).is_some()) {
+        stands[part as usize] = p;
+    }
+    let candidates = stands.iter().map(|&p| candidate(&graph, p, judge, heard)).collect();
+    let joined = |c: &&super::regions::contact::Contact| {
+        label[c.faces.0 as usize] == label[c.faces.1 as usize]
+    };
+    let bridges = contacts.iter().filter(joined).map(|c| c.faces).collect();
+    Ok(PartScores { candidates, fixed: label, bridges, ..Default::default() })
+}
+
+/// Name, source and confidence of the part whose region stands at `p`.
+fn candidate(graph: &RegionGraph, p: u32, judge: &Judge, heard: Heard) -> Candidate {
+    let part = SegmentationSource::Authored;
+    let Some(region) = graph.region(p) else {
+        return Candidate { name: "part".into(), source: part, confidence: 0.0 };
+    };
+    let total: f64 = region.names.iter().sum();
+    let best = (0..region.names.len()).max_by(|&a, &b| region.names[a].total_cmp(&region.names[b]));
+    let name = best.filter(|&b| region.names[b] > NAMED * total).map_or("part", |b| NAMES[b]);
+    let without = [
+        (SegmentationSource::Learned, Heard { learned: false, ..heard }),
+        (SegmentationSource::Authored, Heard { authored: false, ..heard }),
+        (SegmentationSource::Geometric, Heard { shape: false, ..heard }),
+    ];
+    let (mut sure, mut length, mut missed) = (0.0, 0.0, [0.0; 3]);
+    for (&n, border) in &graph.borders[p as usize] {
+        let Some(other) = graph.region(n) else { continue };
+        let x = features::features(graph, region, other, border);
+        let all = judge.boundary(&x, heard);
+        sure += border.length * all;
+        length += border.length;
+        for (missed, (_, deaf)) in missed.iter_mut().zip(&without) {
+            *missed += border.length * (all - judge.boundary(&x, *deaf));
+        }
+    }
+    // A part that touches nothing is what the file says it is.
+    let most = (0..3).max_by(|&a, &b| missed[a].total_cmp(&missed[b])).filter(|_| length > 0.0);
+    let source = most.map_or(part, |k| without[k].0);
+    let confidence = if length > 0.0 { sure / length } else { 1.0 };
+    Candidate { name: name.into(), source, confidence }
+}

@@ -1,0 +1,169 @@
+//! What is known of each face before any part is: the network's embedding and names, and how thick the
+//! body is there.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+
+use super::super::point_mae::{NAMES, NetworkCloud, PointMae, PointMaeConfig};
+use super::super::thickness::thickness;
+use crate::contract::{Canceled, Run};
+use crate::device::Device;
+use crate::mesh::rays::Rays;
+use crate::mesh::{NONE, Surface};
+use crate::sampling::{NETWORK_POINTS, PointCloud, farthest_points};
+
+/// Places on the surface at which the network is asked, at most.
+const QUERIES: usize = 16_384;
+
+/// Attitudes in which the object is shown: which way is up is not known.
+const POSES: usize = 3;
+
+/// Evidence for each face. Faces without area have none.
+#[derive(Debug, Clone, Default)]
+pub struct Evidence {
+    /// Channels of the embedding; 0 without a network.
+    pub width: usize,
+    /// Embedding of each face, `width` values each.
+    pub embedding: Vec<f32>,
+    /// Share of each of [`NAMES`] for each face; empty without a network.
+    pub names: Vec<f32>,
+    /// Shape diameter over the diagonal, 0 where unknown.
+    pub thickness: Vec<f32>,
+}
+
+/// A network ready to be asked.
+pub struct Network<'a> {
+    /// The network.
+    pub model: &'a PointMae,
+    /// Its sizes.
+    pub config: PointMaeConfig,
+    /// Where it runs.
+    pub device: &'a Device,
+}
+
+/// Gather the evidence, with a network or without.
+pub fn gather(
+    surface: &Surface,
+    cloud: &PointCloud,
+    network: Option<&Network>,
+    run: &Run,
+) -> Result<Evidence, Canceled> {
+    let asked = cloud.subset(&spread(cloud));
+    let rays = Rays::new(surface);
+    let through = thickness(surface, &rays, &asked.positions, &asked.faces);
+    run.cancel.check()?;
+    let faces = surface.face_count();
+    let relative: Vec<f32> = through.iter().map(|t| t / surface.diagonal as f32).collect();
+    let fill = nearest_known(surface, &asked);
+    let mut evidence =
+        Evidence { thickness: on_faces(faces, &asked, &relative, 1, &fill), ..Default::default() };
+    let Some(Network { model, config, device }) = network else { return Ok(evidence) };
+    let seen = cloud.subset(&farthest_points(cloud, NETWORK_POINTS, run)?);
+    let seen_through = thickness(surface, &rays, &seen.positions, &seen.faces);
+    let mut whole = network_cloud(&seen, &seen_through);
+    let (middle, scale) = whole.normalise();
+    let mut places = network_cloud(&asked, &through);
+    places.place(middle, scale);
+    evidence.width = POSES * config.part;
+    evidence.embedding = vec![0.0; faces * evidence.width];
+    evidence.names = vec![0.0; faces * NAMES.len()];
+    for pose in 0..POSES {
+        run.cancel.check()?;
+        let (seen, asked_places) = (turned(&whole, pose), turned(&places, pose));
+        let tensors = device.burn();
+        let features = model.forward(config, &[seen], &[asked_places], device, &tensors);
+        let part: Vec<f32> = features.part.into_data().try_into_vec().unwrap_or_default();
+        let logits = burn::tensor::activation::softmax(features.names, 2);
+        let names: Vec<f32> = logits.into_data().try_into_vec().unwrap_or_default();
+        let part = on_faces(faces, &asked, &part, config.part, &fill);
+        let names = on_faces(faces, &asked, &names, NAMES.len(), &fill);
+        // Distances in the joined embedding are root mean squares over the poses.
+        let share = 1.0 / (POSES as f32).sqrt();
+        for (f, from) in part.chunks(config.part).enumerate() {
+            let to = &mut evidence.embedding[f * evidence.width + pose * config.part..];
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = share * from);
+        }
+        let sum = evidence.names.iter_mut().zip(&names);
+        sum.for_each(|(sum, name)| *sum += name / POSES as f32);
+    }
+    Ok(evidence)
+}
+
+/// Points at which to ask: spread over the cloud, at most one in so many that there are [`QUERIES`].
+fn spread(cloud: &PointCloud) -> Vec<u32> {
+    let count = cloud.len().min(QUERIES);
+    (0..count).map(|i| (i * cloud.len() / count) as u32).collect()
+}
+
+fn network_cloud(cloud: &PointCloud, through: &[f32]) -> NetworkCloud {
+    let narrow = |p: &DVec3| p.as_vec3().to_array();
+    NetworkCloud {
+        positions: cloud.positions.iter().map(narrow).collect(),
+        normals: cloud.normals.iter().map(narrow).collect(),
+        thickness: through.to_vec(),
+    }
+}
+
+/// As it stands, lying on its back, lying on its side.
+fn turned(cloud: &NetworkCloud, pose: usize) -> NetworkCloud {
+    let turn = |[x, y, z]: [f32; 3]| match pose {
+        0 => [x, y, z],
+        1 => [x, z, -y],
+        _ => [y, -x, z],
+    };
+    NetworkCloud {
+        positions: cloud.positions.iter().map(|&p| turn(p)).collect(),
+        normals: cloud.normals.iter().map(|&n| turn(n)).collect(),
+        thickness: cloud.thickness.clone(),
+    }
+}
+
+/// Means over the points of each face; a face without any takes those of the face in `fill`.
+fn on_faces(
+    faces: usize,
+    cloud: &PointCloud,
+    values: &[f32],
+    width: usize,
+    fill: &[u32],
+) -> Vec<f32> {
+    let mut sums = vec![0.0; faces * width];
+    let mut counts = vec![0u32; faces];
+    for (&face, row) in cloud.faces.iter().zip(values.chunks(width)) {
+        let sum = &mut sums[face as usize * width..][..width];
+        sum.iter_mut().zip(row).for_each(|(s, v)| *s += v);
+        counts[face as usize] += 1;
+    }
+    for (f, &count) in counts.iter().enumerate().filter(|(_, c)| **c > 1) {
+        sums[f * width..][..width].iter_mut().for_each(|s| *s /= count as f32);
+    }
+    for (f, &from) in
+        fill.iter().enumerate().filter(|(f, from)| **from != NONE && **from as usize != *f)
+    {
+        sums.copy_within(from as usize * width..(from as usize + 1) * width, f * width);
+    }
+    sums
+}
+
+/// For each face the nearest one, over edges, that has a point; itself if it has.
+fn nearest_known(surface: &Surface, cloud: &PointCloud) -> Vec<u32> {
+    let mut from = vec![NONE; surface.face_count()];
+    let mut queue = VecDeque::new();
+    for &f in &cloud.faces {
+        if from[f as usize] == NONE {
+            from[f as usize] = f;
+            queue.push_back(f);
+        }
+    }
+    while let Some(f) = queue.pop_front() {
+        let across = (3 * f..3 * f + 3).map(|h| surface.twin[h as usize]).filter(|t| *t != NONE);
+        let mate = Some(surface.sheet_mate[f as usize]).filter(|m| *m != NONE);
+        for g in across.map(|t| t / 3).chain(mate) {
+            if from[g as usize] == NONE {
+                from[g as usize] = from[f as usize];
+                queue.push_back(g);
+            }
+        }
+    }
+    from
+}

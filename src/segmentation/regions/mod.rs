@@ -1,0 +1,47 @@
+//! Parts as sets of patches: evidence from network, geometry and file (`evidence`), patches over which
+//! nothing speaks for a boundary (`patches`), their graph with the places where bodies touch (`graph`,
+//! `contact`), and its agglomeration by a learned judge to a hierarchy (`features`, `judge`,
+//! `hierarchy`).
+
+pub mod contact;
+pub mod evidence;
+pub mod features;
+pub mod graph;
+pub mod hierarchy;
+pub mod judge;
+pub mod patches;
+
+pub use evidence::{Evidence, Network, gather};
+pub use features::{AUTHORED, FEATURES, LEARNED, SHAPE};
+pub use graph::RegionGraph;
+pub use hierarchy::{Boundary, Hierarchy, Join, agglomerate};
+pub use judge::{Heard, Judge};
+
+use crate::contract::{Canceled, Run};
+use crate::mesh::Surface;
+use crate::sampling::PointCloud;
+
+/// A surface made ready: its patches and their graph.
+pub struct Prepared {
+    /// Patch of each face; [`NONE`](crate::mesh::NONE) for faces without area.
+    pub patch: Vec<u32>,
+    /// The graph of the patches.
+    pub graph: RegionGraph,
+    /// Where bodies touch.
+    pub contacts: Vec<contact::Contact>,
+}
+
+/// Make a surface ready. `truth`: part of each face, where it is to be learned from.
+pub fn prepare(
+    surface: &Surface,
+    cloud: &PointCloud,
+    evidence: &Evidence,
+    truth: Option<&[i32]>,
+    run: &Run,
+) -> Result<Prepared, Canceled> {
+    let (patch, count) = patches::patches(surface, evidence);
+    run.cancel.check()?;
+    let contacts = contact::contacts(surface, cloud, &contact::bodies(surface));
+    let graph = RegionGraph::new(surface, evidence, (&patch, count), &contacts, truth);
+    Ok(Prepared { patch, graph, contacts })
+}

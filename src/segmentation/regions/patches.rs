@@ -1,0 +1,87 @@
+//! Patches: faces joined as long as nothing speaks for a boundary between them, so that parts are sets
+//! of patches. Links are taken in order of what speaks against them (Kruskal's order, as Felzenszwalb and
+//! Huttenlocher 2004, doi:10.1023/B:VISI.0000022288.19776.77, do for pixels), up to a size.
+
+use super::evidence::Evidence;
+use crate::mesh::{DisjointSets, NONE, Surface};
+
+/// A patch has at most this share of the area.
+const MOST: f64 = 1.0 / 900.0;
+
+/// How much the bend of an edge (radians) counts; a valley counts twice.
+const BEND: f64 = 1.0;
+
+/// How much the step of the embedding counts.
+const STEP: f64 = 0.6;
+
+/// An edge that bends more than this (radians) is never inside a patch.
+const SHARP: f64 = 0.6;
+
+/// Above this many patches, shells are joined too: a soup of single triangles says nothing.
+const MANY: usize = 6000;
+
+/// Patch of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
+pub fn patches(surface: &Surface, evidence: &Evidence) -> (Vec<u32>, usize) {
+    let mut sets = DisjointSets::new(surface.face_count());
+    // The two faces of a double-sided sheet are one place.
+    for (f, &m) in (0u32..).zip(&surface.sheet_mate).filter(|(_, m)| **m != NONE) {
+        sets.join(f, m);
+    }
+    let mut links: Vec<(f64, u32, u32)> = Vec::new();
+    for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
+        let angle = surface.dihedral(h);
+        if angle.abs() < SHARP {
+            let bend = if angle < 0.0 { -2.0 * angle } else { angle };
+            links.push((BEND * bend + STEP * step(evidence, h / 3, t / 3), h / 3, t / 3));
+        }
+    }
+    links.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut areas = vec![0.0; surface.face_count()];
+    for f in 0..surface.face_count() as u32 {
+        areas[sets.root(f) as usize] += surface.areas[f as usize];
+    }
+    let most = MOST * areas.iter().sum::<f64>();
+    let shell = |f: u32| surface.origins[f as usize].shell;
+    let join = |across_shells: bool, sets: &mut DisjointSets, areas: &mut [f64]| {
+        for &(_, f, g) in &links {
+            let (a, b) = (sets.root(f), sets.root(g));
+            let whole = areas[a as usize] + areas[b as usize];
+            if a != b && whole <= most && (across_shells || shell(f) == shell(g)) {
+                let (keep, gone) = (a.min(b), a.max(b));
+                sets.hang(gone, keep);
+                areas[keep as usize] = whole;
+            }
+        }
+    };
+    join(false, &mut sets, &mut areas);
+    let mut numbered = number(surface, &mut sets);
+    if numbered.1 > MANY {
+        join(true, &mut sets, &mut areas);
+        numbered = number(surface, &mut sets);
+    }
+    numbered
+}
+
+fn number(surface: &Surface, sets: &mut DisjointSets) -> (Vec<u32>, usize) {
+    let mut number = vec![NONE; surface.face_count()];
+    let mut count = 0;
+    let patch = (0..surface.face_count() as u32).map(|f| {
+        if !surface.usable[f as usize] {
+            return NONE;
+        }
+        let root = sets.root(f) as usize;
+        if number[root] == NONE {
+            number[root] = count;
+            count += 1;
+        }
+        number[root]
+    });
+    let patch = patch.collect();
+    (patch, count as usize)
+}
+
+/// How far apart the embeddings of two faces are.
+fn step(evidence: &Evidence, f: u32, g: u32) -> f64 {
+    let row = |f: u32| &evidence.embedding[f as usize * evidence.width..][..evidence.width];
+    row(f).iter().zip(row(g)).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+}

@@ -1,0 +1,224 @@
+//! Learning to judge pairs of regions (`segmentation::regions`): objects whose parts are known are
+//! agglomerated with the judge as it stands; every pair it would join is an example, and where the
+//! truth says no, it is not joined (Nunez-Iglesias et al. 2013, doi:10.1371/journal.pone.0071715, "active
+//! learning" of agglomeration). After each round the judge is trained on all rounds' examples.
+
+use std::path::Path;
+
+use burn::module::Module;
+use burn::optim::{AdamWConfig, GradientsParams};
+use burn::tensor::activation::log_sigmoid;
+use burn::tensor::{Tensor, TensorData};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::folder::LabelledMesh;
+use super::trainer::TrainError;
+use crate::contract::{Canceled, Run};
+use crate::device::Device;
+use crate::sampling::{SampleCounts, sample};
+use crate::segmentation::point_mae::{PairHead, PointMae, PointMaeConfig};
+use crate::segmentation::regions::{
+    Evidence, FEATURES, Heard, Judge, Network, RegionGraph, agglomerate, gather, prepare,
+};
+
+/// Rounds of agglomeration and training.
+const ROUNDS: usize = 3;
+
+/// Optimizer steps of a round.
+const STEPS: usize = 1500;
+
+/// Pairs a step.
+const BATCH: usize = 2048;
+
+/// Learning rate at first.
+const RATE: f64 = 3e-3;
+
+/// How often a kind of evidence is withheld, so that each can do without the others.
+const DEAF: f64 = 0.12;
+
+/// An object with its evidence, and its parts.
+pub struct Known {
+    mesh: LabelledMesh,
+    evidence: Evidence,
+    cloud: crate::sampling::PointCloud,
+}
+
+/// A pair that was judged.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    features: [f32; FEATURES],
+    is_boundary: bool,
+    weight: f32,
+}
+
+/// Gather the evidence of objects with a trained network.
+pub fn know(
+    meshes: Vec<LabelledMesh>,
+    model: &PointMae,
+    config: PointMaeConfig,
+    device: &Device,
+    seed: u64,
+    run: &Run,
+) -> Result<Vec<Known>, Canceled> {
+    let network = Network { model, config, device };
+    let one = |mesh: LabelledMesh| {
+        let counts = SampleCounts::dense(mesh.surface.face_count());
+        let cloud = sample(&mesh.surface, counts, seed, run)?;
+        let evidence = gather(&mesh.surface, &cloud, Some(&network), run)?;
+        Ok(Known { mesh, evidence, cloud })
+    };
+    meshes.into_par_iter().map(one).collect()
+}
+
+/// Train a judge on these objects; `watch` is told each round's pairs and loss.
+pub fn train_joins(
+    known: &[Known],
+    seed: u64,
+    device: &Device,
+    run: &Run,
+    mut watch: impl FnMut(usize, usize, f64),
+) -> Result<PairHead, TrainError> {
+    let mut head = PairHead::seeded(seed, &device.autodiff());
+    let mut pairs: Vec<Pair> = Vec::new();
+    for round in 0..ROUNDS {
+        let judge = (round > 0).then(|| Judge::new(&head.valid()));
+        let found: Result<Vec<Vec<Pair>>, Canceled> =
+            known.par_iter().map(|k| judged(k, judge.as_ref(), run)).collect();
+        pairs.extend(found?.into_iter().flatten());
+        let (trained, loss) = fit(head, &pairs, seed + round as u64, device, run)?;
+        head = trained;
+        watch(round, pairs.len(), loss);
+    }
+    Ok(head.valid())
+}
+
+/// The pairs that are met when an object is agglomerated without a wrong join.
+fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, Canceled> {
+    let truth = Some(known.mesh.parts.as_slice());
+    let prepared = prepare(&known.mesh.surface, &known.cloud, &known.evidence, truth, run)?;
+    let mut graph = prepared.graph;
+    let mut pairs = Vec::new();
+    let first =
+        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[10] + x[5]) + 0.1 * f64::from(x[16]);
+    let boundary = |_: &RegionGraph, _: &_, _: &_, _: &_, x: &[f32; FEATURES]| match judge {
+        Some(judge) => judge.boundary(x, Heard::ALL),
+        None => first(x),
+    };
+    agglomerate(&mut graph, &boundary, f64::INFINITY, run, |graph, a, b, x| {
+        let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { return false };
+        let (Some(p), Some(q)) = (r.majority(), s.majority()) else { return true };
+        let is_boundary = p.0 != q.0;
+        let share = r.area.min(s.area) / graph.area.max(f64::MIN_POSITIVE);
+        // A region of two parts teaches little.
+        let clear = (p.1.min(q.1) * 2.0 - 1.0).max(0.0);
+        let weight = (clear * (0.05 + share.sqrt())) as f32;
+        pairs.push(Pair { features: *x, is_boundary, weight });
+        !is_boundary
+    })?;
+    Ok(pairs)
+}
+
+/// Descend the weighted cross entropy.
+fn fit(
+    mut head: PairHead,
+    pairs: &[Pair],
+    seed: u64,
+    device: &Device,
+    run: &Run,
+) -> Result<(PairHead, f64), TrainError> {
+    let tensors = device.autodiff();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut optimizer = AdamWConfig::new().with_weight_decay(1e-3).init();
+    let mut recent = f64::NAN;
+    for step in 0..STEPS {
+        run.cancel.check()?;
+        let (mut x, mut y, mut w) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..BATCH.min(pairs.len().max(1)) {
+            let Some(pair) = pairs.get(rng.random_range(0..pairs.len().max(1))) else { continue };
+            let mut features = pair.features;
+            let mut hears = || !rng.random_bool(DEAF);
+            let heard = Heard { learned: hears(), authored: hears(), shape: hears() };
+            heard.mask(&mut features);
+            x.extend(features);
+            y.push(if pair.is_boundary { -1.0_f32 } else { 1.0 });
+            w.push(pair.weight);
+        }
+        let count = y.len();
+        let sum: f32 = w.iter().sum::<f32>().max(1e-6);
+        w.iter_mut().for_each(|w| *w /= sum);
+        let column = |v: Vec<f32>| -> Tensor<3> {
+            Tensor::from_data(TensorData::new(v, [1, count, 1]), &tensors)
+        };
+        let x = Tensor::from_data(TensorData::new(x, [1, count, FEATURES]), &tensors);
+        // −log σ(±logit): the sign is that of a pair's kind.
+        let logits = head.forward(x, device) * column(y) * -1.0;
+        let loss = -(log_sigmoid(logits) * column(w)).sum();
+        let value = f64::from(loss.clone().into_scalar::<f32>());
+        recent = if recent.is_nan() { value } else { 0.98 * recent + 0.02 * value };
+        let gradients = GradientsParams::from_grads(loss.backward(), &head);
+        let rate = RATE * 0.5 * (1.0 + (std::f64::consts::PI * step as f64 / STEPS as f64).cos());
+        head = optimizer.step(rate.max(1e-5), head, gradients);
+    }
+    Ok((head, recent))
+}
+
+/// Labelled meshes of folders, without the held-out families if those are to be spared.
+pub fn meshes_of(
+    folders: &[std::path::PathBuf],
+    licences: &[String],
+    spare: impl Fn(&str) -> bool + Sync,
+    run: &Run,
+) -> Result<Vec<LabelledMesh>, TrainError> {
+    let mut all = Vec::new();
+    for folder in folders {
+        let files = super::folder::meshes(folder)?;
+        let one = |file: &std::path::PathBuf| -> Result<Option<LabelledMesh>, TrainError> {
+            if !super::folder::is_allowed(file, licences)? {
+                return Ok(None);
+            }
+            let mesh = super::folder::read(file, run)?;
+            Ok((!spare(&mesh.family)).then_some(mesh))
+        };
+        let read: Result<Vec<Option<LabelledMesh>>, TrainError> =
+            files.par_iter().map(one).collect();
+        all.extend(read?.into_iter().flatten());
+    }
+    Ok(all)
+}
+
+/// A procedural object as a labelled mesh, its parts joined to one body where `fused`.
+pub fn procedural_mesh(
+    kind: crate::synth::SynthKind,
+    seed: u64,
+    variant: crate::synth::SynthVariant,
+    triangles: usize,
+    run: &Run,
+) -> Result<LabelledMesh, TrainError> {
+    use crate::contract::Limits;
+    use crate::mesh;
+    let style = crate::synth::SynthStyle { variant, triangles };
+    let object = crate::synth::make(kind, seed, style);
+    let fault = |reason: String| TrainError::File { file: format!("{kind:?} {seed}"), reason };
+    let scene = mesh::import(&object.glb(), crate::contract::MeshKind::Glb, &Limits::default())
+        .map_err(|e| fault(e.to_string()))?;
+    let surface = mesh::condition(&scene, run)?;
+    let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
+    let id = format!("{}_{seed}", kind.as_str());
+    Ok(LabelledMesh {
+        family: id.clone(),
+        id,
+        category: kind.as_str().to_owned(),
+        source: "procedural".to_owned(),
+        surface,
+        names: vec![-1; parts.len()],
+        parts,
+    })
+}
+
+/// Where a trained network with its judge is written.
+pub fn save_whole(model: &PointMae, head: PairHead, file: &Path) -> Result<(), TrainError> {
+    let whole = PointMae { pairs: head, ..model.clone() };
+    Ok(crate::segmentation::point_mae::save(&whole, file)?)
+}
