@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::contract::Run;
 use crate::device::{DeviceChoice, choose};
 use crate::segmentation::point_mae::{ModelSize, PointMae, load};
-use crate::synth::{SynthKind, SynthVariant};
+use crate::synth::SynthKind;
 use crate::training::{self, Data, Event, Recipe, Task};
 
 /// Arguments of `uvsegnet train`.
@@ -77,9 +77,8 @@ fn joins(args: Joins) -> Result<()> {
         .collect();
     // Seeds that the network has not seen.
     let make = |&(kind, i): &(SynthKind, u64)| {
-        let variant = if i % 2 == 0 { SynthVariant::Fused } else { SynthVariant::SingleMesh };
         let seed = (1 << 62) + (args.seed << 20) + i;
-        training::procedural_mesh(kind, seed, variant, 3000, &run)
+        training::procedural_mesh(kind, seed, i % 2 == 0, &run)
     };
     let procedural: Result<Vec<_>, _> = made.par_iter().map(make).collect();
     meshes.extend(procedural?);

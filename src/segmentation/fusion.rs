@@ -23,13 +23,14 @@ pub fn fuse(
     evidence: &Evidence,
     judge: &Judge,
     heard: Heard,
+    cut: f64,
     run: &Run,
 ) -> Result<PartScores, Canceled> {
     let Prepared { patch, mut graph, contacts } =
         super::regions::prepare(surface, cloud, evidence, None, run)?;
     let boundary = |_: &RegionGraph, _: &Region, _: &Region, _: &_, x: &_| judge.boundary(x, heard);
-    let tree = agglomerate(&mut graph, &boundary, CUT, run, |_, _, _, _| true)?;
-    let of_patch = tree.cut(CUT);
+    let tree = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
+    let of_patch = tree.cut(cut);
     let label: Vec<i32> =
         patch.iter().map(|&p| if p == NONE { -1 } else { of_patch[p as usize] as i32 }).collect();
     // The region that is left of each part stands at one of its patches.

@@ -8,6 +8,7 @@ mod bed;
 mod bottle;
 mod bucket;
 mod chair;
+mod embellish;
 mod faucet;
 mod fuse;
 mod glasses;
@@ -33,6 +34,7 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+pub use embellish::embellished;
 pub use fuse::FusedBody;
 use solid::{Detail, Solid};
 
@@ -238,10 +240,10 @@ pub fn make(kind: SynthKind, seed: u64, style: SynthStyle) -> SynthObject {
     SynthObject { kind, variant, parts: with_triangles(kind, seed, style.triangles), fused: None }
 }
 
-/// Make an object at the resolution that its shapes were drawn for, whatever triangles that takes.
-pub fn coarse(kind: SynthKind, seed: u64) -> SynthObject {
-    let (variant, parts) = (SynthVariant::MultiNode, parts(kind, seed, Detail(1.0)));
-    SynthObject { kind, variant, parts, fused: None }
+/// The parts of an object as one closed body of about `triangles` triangles.
+pub fn fused(object: SynthObject, triangles: usize) -> SynthObject {
+    let body = fuse::fuse(&object.parts, triangles);
+    SynthObject { variant: SynthVariant::Fused, fused: Some(body), ..object }
 }
 
 /// The parts at the resolution whose triangle count is nearest to the wanted one.

@@ -3,6 +3,7 @@
 //! truth says no, it is not joined (Nunez-Iglesias et al. 2013, doi:10.1371/journal.pone.0071715, "active
 //! learning" of agglomeration). After each round the judge is trained on all rounds' examples.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use burn::module::Module;
@@ -14,14 +15,18 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::folder::LabelledMesh;
+use super::procedural::stretch_parts;
+use super::structure::{Structure, scene};
 use super::trainer::TrainError;
 use crate::contract::{Canceled, Run};
 use crate::device::Device;
+use crate::mesh;
 use crate::sampling::{SampleCounts, sample};
 use crate::segmentation::point_mae::{PairHead, PointMae, PointMaeConfig};
 use crate::segmentation::regions::{
     Evidence, FEATURES, Heard, Judge, Network, RegionGraph, agglomerate, gather, prepare,
 };
+use crate::synth::{self, SynthKind};
 
 /// Rounds of agglomeration and training.
 const ROUNDS: usize = 3;
@@ -37,6 +42,9 @@ const RATE: f64 = 3e-3;
 
 /// How often a kind of evidence is withheld, so that each can do without the others.
 const DEAF: f64 = 0.12;
+
+/// A refused pair is an example again when the smaller region has grown so much.
+const GROWN: f64 = 1.5;
 
 /// An object with its evidence, and its parts.
 pub struct Known {
@@ -100,8 +108,11 @@ fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, 
     let prepared = prepare(&known.mesh.surface, &known.cloud, &known.evidence, truth, run)?;
     let mut graph = prepared.graph;
     let mut pairs = Vec::new();
+    // A pair that was refused comes up again whenever one of the two grows; it counts again once the
+    // smaller has grown by half.
+    let mut refused: HashMap<(u32, u32), f64> = HashMap::new();
     let first =
-        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[10] + x[5]) + 0.1 * f64::from(x[16]);
+        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[12] + x[5]) + 0.1 * f64::from(x[18]);
     let boundary = |_: &RegionGraph, _: &_, _: &_, _: &_, x: &[f32; FEATURES]| match judge {
         Some(judge) => judge.boundary(x, Heard::ALL),
         None => first(x),
@@ -110,7 +121,15 @@ fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, 
         let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { return false };
         let (Some(p), Some(q)) = (r.majority(), s.majority()) else { return true };
         let is_boundary = p.0 != q.0;
-        let share = r.area.min(s.area) / graph.area.max(f64::MIN_POSITIVE);
+        let smaller = r.area.min(s.area);
+        if is_boundary {
+            let last = refused.entry((a, b)).or_default();
+            if smaller < GROWN * *last {
+                return false;
+            }
+            *last = smaller;
+        }
+        let share = smaller / graph.area.max(f64::MIN_POSITIVE);
         // A region of two parts teaches little.
         let clear = (p.1.min(q.1) * 2.0 - 1.0).max(0.0);
         let weight = (clear * (0.05 + share.sqrt())) as f32;
@@ -188,22 +207,27 @@ pub fn meshes_of(
     Ok(all)
 }
 
-/// A procedural object as a labelled mesh, its parts joined to one body where `fused`.
+/// A procedural object as a labelled mesh: its parts joined to one body where `fused`, standing in the
+/// file in one of the ways that there are.
 pub fn procedural_mesh(
-    kind: crate::synth::SynthKind,
+    kind: SynthKind,
     seed: u64,
-    variant: crate::synth::SynthVariant,
-    triangles: usize,
+    fused: bool,
     run: &Run,
 ) -> Result<LabelledMesh, TrainError> {
-    use crate::contract::Limits;
-    use crate::mesh;
-    let style = crate::synth::SynthStyle { variant, triangles };
-    let object = crate::synth::make(kind, seed, style);
-    let fault = |reason: String| TrainError::File { file: format!("{kind:?} {seed}"), reason };
-    let scene = mesh::import(&object.glb(), crate::contract::MeshKind::Glb, &Limits::default())
-        .map_err(|e| fault(e.to_string()))?;
-    let surface = mesh::condition(&scene, run)?;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let stretch = std::array::from_fn(|_| 1.35_f64.powf(rng.random_range(-1.0..1.0)));
+    let mut object = synth::embellished(kind, seed);
+    stretch_parts(&mut object, stretch.into());
+    let structure = Structure::ALL[rng.random_range(0..Structure::ALL.len())];
+    let (object, structure) = if fused {
+        // A body that was scanned or printed has no hard edges to be split at.
+        let split = if structure == Structure::Soup { Structure::Soup } else { Structure::Solids };
+        (synth::fused(object, rng.random_range(2000..6000)), split)
+    } else {
+        (object, structure)
+    };
+    let surface = mesh::condition(&scene(&object, structure), run)?;
     let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
     let id = format!("{}_{seed}", kind.as_str());
     Ok(LabelledMesh {

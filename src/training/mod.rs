@@ -11,6 +11,7 @@ mod loss;
 mod names;
 mod procedural;
 mod recipe;
+mod structure;
 mod trainer;
 mod union;
 mod validation;

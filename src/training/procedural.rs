@@ -7,10 +7,11 @@ use rand_chacha::ChaCha8Rng;
 
 use super::example::{Example, Labels, POINTS};
 use super::names::name_index;
+use super::structure::{Structure, scene};
 use super::union;
 use crate::contract::{Canceled, Run};
+use crate::mesh;
 use crate::mesh::rays::Rays;
-use crate::mesh::{self, Scene};
 use crate::sampling::{self, SampleCounts};
 use crate::synth::{self, SynthKind, SynthObject};
 
@@ -39,9 +40,9 @@ pub fn example(style: ProceduralStyle, run: &Run) -> Result<Example, Canceled> {
     let mut rng = ChaCha8Rng::seed_from_u64(style.seed ^ 0x5eed_0000_0000_0000);
     let fused = rng.random_bool(0.6);
     let stretch: DVec3 = std::array::from_fn(|_| STRETCH.powf(rng.random_range(-1.0..1.0))).into();
-    let mut object = synth::coarse(style.kind, style.seed);
+    let mut object = synth::embellished(style.kind, style.seed);
     stretch_parts(&mut object, stretch);
-    let scene = scene_of(&object);
+    let scene = scene(&object, Structure::Nodes);
     let surface = mesh::condition(&scene, run)?;
     let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
     let of_part: Vec<i32> =
@@ -63,25 +64,11 @@ pub fn example(style: ProceduralStyle, run: &Run) -> Result<Example, Canceled> {
     Ok(example)
 }
 
-fn stretch_parts(object: &mut SynthObject, by: DVec3) {
+/// Stretch an object.
+pub fn stretch_parts(object: &mut SynthObject, by: DVec3) {
     for part in &mut object.parts {
         part.positions.iter_mut().for_each(|p| *p *= by);
     }
-}
-
-/// The object as the pipeline would read it.
-fn scene_of(object: &SynthObject) -> Scene {
-    let document = mesh::Document::Gltf { json: serde_json::Value::Null, buffers: Vec::new() };
-    let primitives = (0u32..).zip(&object.parts).map(|(i, part)| mesh::Primitive {
-        node: i,
-        mesh: i,
-        name: part.name.clone(),
-        positions: part.positions.clone(),
-        triangles: part.triangles.clone(),
-        ..Default::default()
-    });
-    let primitives = primitives.collect();
-    Scene { document, primitives, labels: None, warnings: Vec::new() }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::device::{DeviceChoice, choose};
 use crate::mesh::Surface;
 use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::agreement::{Agreement, agreement};
-use crate::segmentation::fusion::fuse;
+use crate::segmentation::fusion::{CUT, fuse};
 use crate::segmentation::point_mae::{ModelSize, PointMae, load};
 use crate::segmentation::regions::{Evidence, Heard, Judge, Network, gather};
 use crate::segmentation::{self};
@@ -51,7 +51,17 @@ pub struct Args {
 }
 
 /// What is compared.
-const ARMS: [&str; 6] = ["one part", "components", "geometric", "learned", "shape", "auto"];
+const ARMS: [&str; 9] = [
+    "one part",
+    "components",
+    "geometric",
+    "learned",
+    "shape",
+    "auto",
+    "auto .65",
+    "auto .8",
+    "auto .9",
+];
 
 /// One object's figures.
 #[derive(Debug, Clone, Serialize)]
@@ -110,16 +120,20 @@ fn object(file: &Path, network: &Network, judge: &Judge, seeds: &[u64]) -> Resul
         let start = Instant::now();
         let cloud = sample(surface, SampleCounts::dense(surface.face_count()), seed, &run)?;
         let evidence = gather(surface, &cloud, Some(network), &run)?;
-        let auto = fused(surface, &cloud, &evidence, judge, Heard::ALL)?;
+        let fused = |heard, cut| fused(surface, &cloud, &evidence, judge, heard, cut);
+        let auto = fused(Heard::ALL, CUT)?;
         seconds += start.elapsed().as_secs_f64() / seeds.len() as f64;
         let only = Heard { learned: false, authored: false, shape: false };
         let found = [
             ("one part", vec![0; surface.face_count()]),
             ("components", components(surface)),
             ("geometric", source(surface, &cloud, crate::contract::SegmentationSource::Geometric)?),
-            ("learned", fused(surface, &cloud, &evidence, judge, Heard { learned: true, ..only })?),
-            ("shape", fused(surface, &cloud, &evidence, judge, Heard { shape: true, ..only })?),
+            ("learned", fused(Heard { learned: true, ..only }, CUT)?),
+            ("shape", fused(Heard { shape: true, ..only }, CUT)?),
             ("auto", auto),
+            ("auto .65", fused(Heard::ALL, 0.65)?),
+            ("auto .8", fused(Heard::ALL, 0.8)?),
+            ("auto .9", fused(Heard::ALL, 0.9)?),
         ];
         for (name, labels) in found {
             let Agreement { miou, rand } = agreement(&mesh.parts, &labels, &surface.areas);
@@ -146,9 +160,10 @@ fn fused(
     evidence: &Evidence,
     judge: &Judge,
     heard: Heard,
+    cut: f64,
 ) -> Result<Vec<i32>> {
     let run = Run::quiet();
-    let scores = fuse(surface, cloud, evidence, judge, heard, &run)?;
+    let scores = fuse(surface, cloud, evidence, judge, heard, cut, &run)?;
     Ok(scores.fixed)
 }
 

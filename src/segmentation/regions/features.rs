@@ -11,10 +11,10 @@ pub const FEATURES: usize = super::super::point_mae::PAIR_FEATURES;
 pub const LEARNED: std::ops::Range<usize> = 0..5;
 
 /// Those that come from the file's structure.
-pub const AUTHORED: std::ops::Range<usize> = 5..9;
+pub const AUTHORED: std::ops::Range<usize> = 5..11;
 
 /// Those that come from the shape.
-pub const SHAPE: std::ops::Range<usize> = 10..24;
+pub const SHAPE: std::ops::Range<usize> = 12..26;
 
 /// The numbers for a pair of neighbours.
 pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) -> [f32; FEATURES] {
@@ -46,6 +46,9 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         flag(own_shell),
         flag(mixed),
         flag(a.primitive.is_some() && a.primitive == b.primitive),
+        // That all is one shell says nothing; that two halves of a board are says much.
+        if own_shell { graph.shell_share(a.shell) } else { 0.0 },
+        (graph.shells.len().max(1) as f64).ln() / 7.0,
         1.0 - border.edges / length,
         if border.weight > 0.0 { border.valley / border.weight } else { 0.0 },
         border.valley / edges,

@@ -144,6 +144,8 @@ pub struct RegionGraph {
     pub area: f64,
     /// Diagonal of the surface.
     pub diagonal: f64,
+    /// Area of each shell.
+    pub shells: BTreeMap<u32, f64>,
 }
 
 impl RegionGraph {
@@ -188,7 +190,17 @@ impl RegionGraph {
         }
         let area = regions.iter().map(|r| r.area).sum();
         let regions = regions.into_iter().map(Some).collect();
-        Self { regions, borders, left: count, area, diagonal: surface.diagonal }
+        let mut shells = BTreeMap::new();
+        for (origin, own) in surface.origins.iter().zip(&surface.areas) {
+            *shells.entry(origin.shell).or_default() += own;
+        }
+        Self { regions, borders, left: count, area, diagonal: surface.diagonal, shells }
+    }
+
+    /// Share of the area that a shell has.
+    pub fn shell_share(&self, shell: Option<u32>) -> f64 {
+        let area = shell.and_then(|s| self.shells.get(&s)).copied().unwrap_or(0.0);
+        area / self.area.max(f64::MIN_POSITIVE)
     }
 
     /// The region of a number that is left.

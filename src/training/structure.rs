@@ -1,0 +1,128 @@
+//! How an object may stand in a file: what is known to belong together there says much in one file
+//! and nothing in another, and the judge is to see every kind.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::mesh::{DisjointSets, Document, Primitive, Scene};
+use crate::synth::SynthObject;
+
+/// What the vertices of a file say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Structure {
+    /// A node for each part.
+    Nodes,
+    /// One primitive; solids share no vertices.
+    Solids,
+    /// One primitive; vertices are split at hard edges.
+    Smooth,
+    /// One primitive; no two triangles share a vertex.
+    Soup,
+}
+
+impl Structure {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Nodes, Self::Solids, Self::Smooth, Self::Soup];
+}
+
+/// Edges that bend more than this have their vertices split (cosine of 40°).
+const HARD: f64 = 0.766;
+
+/// Name, positions and triangles of a mesh.
+type Named = (String, Vec<DVec3>, Vec<[u32; 3]>);
+
+/// The object as the pipeline would read it from such a file. Faces stand in the order of its labels.
+pub fn scene(object: &SynthObject, structure: Structure) -> Scene {
+    let meshes: Vec<Named> = match &object.fused {
+        Some(body) => vec![("body".into(), body.positions.clone(), body.triangles.clone())],
+        None if structure == Structure::Nodes => {
+            let of = |p: &crate::synth::SynthPart| {
+                (p.name.clone(), p.positions.clone(), p.triangles.clone())
+            };
+            object.parts.iter().map(of).collect()
+        }
+        None => {
+            let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+            for part in &object.parts {
+                let base = positions.len() as u32;
+                positions.extend_from_slice(&part.positions);
+                triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
+            }
+            vec![("object".into(), positions, triangles)]
+        }
+    };
+    let primitive = |(i, (name, positions, triangles)): (u32, Named)| {
+        let (positions, triangles) = match structure {
+            Structure::Nodes | Structure::Solids => (positions, triangles),
+            Structure::Smooth => split(&positions, &triangles, HARD),
+            Structure::Soup => split(&positions, &triangles, 2.0),
+        };
+        Primitive { node: i, mesh: i, name, positions, triangles, ..Default::default() }
+    };
+    let primitives = (0u32..).zip(meshes).map(primitive).collect();
+    let document = Document::Gltf { json: serde_json::Value::Null, buffers: Vec::new() };
+    Scene { document, primitives, labels: None, warnings: Vec::new() }
+}
+
+/// Faces keep a common vertex only where they hang together over edges whose cosine is at least
+/// `least`.
+fn split(positions: &[DVec3], triangles: &[[u32; 3]], least: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let normal = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let mut sets = DisjointSets::new(triangles.len());
+    let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+    for (f, t) in (0u32..).zip(triangles) {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            if let Some(&g) = edges.get(&(b, a))
+                && normal(t).dot(normal(&triangles[g as usize])) >= least
+            {
+                sets.join(f, g);
+            }
+            edges.insert((a, b), f);
+        }
+    }
+    let mut number: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut out = Vec::new();
+    let mut renumbered = Vec::with_capacity(triangles.len());
+    for (f, t) in (0u32..).zip(triangles) {
+        let set = sets.root(f);
+        renumbered.push(t.map(|v| {
+            *number.entry((set, v)).or_insert_with(|| {
+                out.push(positions[v as usize]);
+                out.len() as u32 - 1
+            })
+        }));
+    }
+    (out, renumbered)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::Run;
+    use crate::mesh;
+    use crate::synth::{SynthKind, SynthStyle, SynthVariant, make};
+
+    #[test]
+    fn each_structure_has_its_shells_and_the_same_faces() {
+        let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
+        let object = make(SynthKind::Table, 1, style);
+        let shells = |structure| {
+            let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
+            assert_eq!(surface.face_count(), object.triangle_count());
+            let mut shells: Vec<u32> = surface.origins.iter().map(|o| o.shell).collect();
+            shells.sort_unstable();
+            shells.dedup();
+            shells.len()
+        };
+        let parts = object.parts.len();
+        assert_eq!(shells(Structure::Nodes), parts);
+        assert_eq!(shells(Structure::Solids), parts);
+        assert!(shells(Structure::Smooth) > parts);
+        assert_eq!(shells(Structure::Soup), object.triangle_count());
+    }
+}
