@@ -122,7 +122,8 @@ fn sample(surface: &Surface) -> PointCloud {
 
 fn segment(surface: &Surface, cloud: &PointCloud) -> PartLabels {
     let source = UnwrapOptions::default().segmentation;
-    segmentation::segment(surface, cloud, source, &Run::quiet()).expect("samples have parts")
+    segmentation::segment(surface, cloud, source, &Device::cpu(), &Run::quiet())
+        .expect("samples have parts")
 }
 
 fn cut(surface: &Surface, parts: &PartLabels) -> Vec<Chart> {

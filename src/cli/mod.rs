@@ -12,6 +12,7 @@ mod signals;
 mod synth;
 mod train;
 mod unwrap;
+mod weights;
 mod worker;
 
 use std::process::ExitCode;

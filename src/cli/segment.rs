@@ -6,7 +6,9 @@ use anyhow::{Context, Result};
 
 use super::input::Files;
 use super::progress_bar;
+use super::weights::Weights;
 use crate::contract::{Limits, Seed, SegmentationSource, UnwrapOptions};
+use crate::device::{DeviceChoice, choose};
 use crate::pipeline;
 
 /// Arguments of `uvsegnet segment`.
@@ -23,6 +25,12 @@ pub struct Args {
     /// Labels that are known already.
     #[arg(long)]
     pub labels: Option<PathBuf>,
+    /// Which weights the network has.
+    #[command(flatten)]
+    pub weights: Weights,
+    /// Where the network runs: cpu, gpu, gpu:N, auto.
+    #[arg(long, default_value_t)]
+    pub device: DeviceChoice,
     /// Seed of the sampling.
     #[arg(long, default_value_t)]
     pub seed: Seed,
@@ -30,11 +38,14 @@ pub struct Args {
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
+    args.weights.apply();
+    let device = choose(&args.device)?;
     let files = Files::read(&args.input, args.labels.as_deref())?;
     let options =
         UnwrapOptions { segmentation: args.segmentation, seed: args.seed, ..Default::default() };
     let (run, bar) = progress_bar::run(&options);
-    let result = pipeline::segment_input(&files.input(), &options, &Limits::default(), &run);
+    let result =
+        pipeline::segment_input(&files.input(), &options, &Limits::default(), &device, &run);
     bar.finish_and_clear();
     let parts = result?;
     let text = parts.to_text();

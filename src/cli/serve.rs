@@ -10,6 +10,7 @@ use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
+use super::weights::Weights;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
@@ -39,6 +40,9 @@ pub struct Args {
     /// Where the workers compute: auto, cpu, gpu or gpu:N.
     #[arg(long, env = "UVSEGNET_DEVICE", default_value_t)]
     pub device: DeviceChoice,
+    /// Which weights the workers have.
+    #[command(flatten)]
+    pub weights: Weights,
     /// What is accepted.
     #[command(flatten)]
     pub limits: LimitFlags,
@@ -158,6 +162,7 @@ impl Service {
 fn supervisor(args: &Args, queue: Arc<dyn Queue>) -> Result<Supervisor> {
     let mut flags = args.data.to_flags();
     flags.extend(["--device".into(), args.device.to_string().into()]);
+    flags.extend(args.weights.flags());
     flags.extend(args.limits.to_flags());
     flags.extend(args.times.to_flags());
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::contract::Run;
 use crate::device::{DeviceChoice, choose};
+use crate::segmentation::Network;
 use crate::segmentation::point_mae::{ModelSize, PointMae, load};
 use crate::synth::SynthKind;
 use crate::training::{self, Data, Event, Recipe, Task};
@@ -83,11 +84,12 @@ fn joins(args: Joins) -> Result<()> {
     let procedural: Result<Vec<_>, _> = made.par_iter().map(make).collect();
     meshes.extend(procedural?);
     eprintln!("{} objects, {real} of them real", meshes.len());
-    let known = training::know(meshes, &model, config, &device, args.seed, &run)?;
+    let network = Network::new(model, config, &device);
+    let known = training::know(meshes, &network, args.seed, &run)?;
     let head = training::train_joins(&known, args.seed, &device, &run, |round, pairs, loss| {
         eprintln!("round {}: {pairs} pairs, loss {loss:.4}", round + 1);
     })?;
-    training::save_whole(&model, head, &args.output)?;
+    training::save_whole(&network.model, head, &args.output)?;
     eprintln!("written to {}", args.output.display());
     Ok(())
 }

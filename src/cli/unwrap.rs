@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 
 use super::input::Files;
 use super::progress_bar;
+use super::weights::Weights;
 use crate::contract::{Limits, UnwrapOptions};
 use crate::device::{self, DeviceChoice};
 use crate::pipeline;
@@ -33,6 +34,9 @@ pub struct Args {
     /// Device to train on: auto, cpu, gpu or gpu:N.
     #[arg(long, default_value_t)]
     pub device: DeviceChoice,
+    /// Which weights the network has.
+    #[command(flatten)]
+    pub weights: Weights,
     #[command(flatten)]
     pub options: UnwrapOptions,
 }
@@ -48,6 +52,7 @@ pub fn run(args: Args) -> Result<()> {
             .collect();
         bail!("{}", lines.join("\n"));
     }
+    args.weights.apply();
     let files = Files::read(&args.input, args.labels.as_deref())?;
     let device = device::choose(&args.device)?;
     let (run, bar) = progress_bar::run(&args.options);

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
+use super::weights::Weights;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::jobs::{Blobs, SqliteConfig, SqliteQueue};
@@ -26,6 +27,9 @@ pub struct Args {
     /// Where to compute: auto, cpu, gpu or gpu:N.
     #[arg(long, env = "UVSEGNET_DEVICE", default_value_t)]
     pub device: DeviceChoice,
+    /// Which weights the network has.
+    #[command(flatten)]
+    pub weights: Weights,
     /// Id of this worker, which no other has or had; drawn if not given.
     #[arg(long)]
     pub id: Option<String>,
@@ -44,6 +48,7 @@ pub struct Args {
 /// Work until told to stop.
 pub fn run(args: Args) -> Result<()> {
     telemetry::init();
+    args.weights.apply();
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     if runtime.block_on(work(args))? {
         // Without waiting for the pipeline's thread, which may be what must be got rid of.

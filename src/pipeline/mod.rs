@@ -67,11 +67,12 @@ pub fn segment_input(
     input: &Input,
     options: &UnwrapOptions,
     limits: &Limits,
+    device: &Device,
     run: &Run,
 ) -> Result<PartLabels, UnwrapError> {
     let mut clock = Clock::new();
     let scene = import(input, limits, run, &mut clock)?;
-    Ok(parts::find(&scene, options, run, &mut clock)?.parts)
+    Ok(parts::find(&scene, options, device, run, &mut clock)?.parts)
 }
 
 fn import(
@@ -100,7 +101,7 @@ fn unwrap_scene(
     mut clock: Clock,
 ) -> Result<Unwrapped, UnwrapError> {
     parts::check_memory(scene, options)?;
-    let found = parts::find(scene, options, run, &mut clock)?;
+    let found = parts::find(scene, options, device, run, &mut clock)?;
     if options.stop_after == Some(StopAfter::Segmentation) {
         return report::segmentation_only(&found, device, run, clock);
     }

@@ -6,6 +6,7 @@ use super::regions;
 use super::sheets;
 use super::weights::weights;
 use crate::contract::{DoubleSided, Run, Stage, UnwrapOptions};
+use crate::device::Device;
 use crate::mesh::{self, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels};
@@ -52,6 +53,7 @@ pub fn check_memory(scene: &Scene, options: &UnwrapOptions) -> Result<(), Unwrap
 pub fn find(
     scene: &Scene,
     options: &UnwrapOptions,
+    device: &Device,
     run: &Run,
     clock: &mut Clock,
 ) -> Result<Found, UnwrapError> {
@@ -61,7 +63,7 @@ pub fn find(
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
     clock.stage(Stage::Segment, run)?;
-    let parts = segmentation::segment(&surface, &cloud, options.segmentation, run)?;
+    let parts = segmentation::segment(&surface, &cloud, options.segmentation, device, run)?;
     let weights = weights(&parts.parts, options)?;
     let sources = match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),

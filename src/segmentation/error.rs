@@ -1,5 +1,6 @@
 //! Why the parts cannot be found as asked.
 
+use super::point_mae::WeightsError;
 use crate::contract::{Canceled, ErrorCode};
 
 /// An error of the segmentation.
@@ -25,19 +26,24 @@ pub enum SegmentationError {
     /// Labels that say nothing.
     #[error("every label is -1 (unknown): label at least one face, or choose another source")]
     NoneKnown,
-    /// `segmentation = learned`.
-    #[error("segmentation = learned is not in this version: choose auto, authored or geometric")]
-    NotInThisVersion,
+    /// Weights that cannot be used.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// Weights without heads.
+    #[error(
+        "the weights {0} are pre-trained only: train them further with `uvsegnet train finetune` and \
+         `uvsegnet train joins`"
+    )]
+    Untrained(String),
 }
 
 impl SegmentationError {
     /// The code of this error in the service's table.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Canceled(_) => ErrorCode::Internal,
-            Self::NoLabels | Self::WrongCount { .. } | Self::NoneKnown | Self::NotInThisVersion => {
-                ErrorCode::InvalidOption
-            }
+            // The worker's weights are no option of a job.
+            Self::Canceled(_) | Self::Weights(_) | Self::Untrained(_) => ErrorCode::Internal,
+            Self::NoLabels | Self::WrongCount { .. } | Self::NoneKnown => ErrorCode::InvalidOption,
         }
     }
 }

@@ -2,6 +2,7 @@
 //! likely to end than not. For each part it is told which kind of evidence decided: the one without
 //! which its borders would be doubted most.
 
+use super::geometric::near_borders;
 use super::point_mae::NAMES;
 use super::regions::graph::Region;
 use super::regions::{Evidence, Heard, Judge, Prepared, RegionGraph, agglomerate, features};
@@ -16,14 +17,13 @@ pub const CUT: f64 = 0.5;
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
-/// Parts of a surface by the judge, hearing only what is to be heard.
+/// Parts of a surface by the judge, hearing only what is to be heard, cut at a probability.
 pub fn fuse(
     surface: &Surface,
     cloud: &PointCloud,
     evidence: &Evidence,
     judge: &Judge,
-    heard: Heard,
-    cut: f64,
+    (heard, cut): (Heard, f64),
     run: &Run,
 ) -> Result<PartScores, Canceled> {
     let Prepared { patch, mut graph, contacts } =
@@ -39,12 +39,30 @@ pub fn fuse(
     for (p, &part) in (0u32..).zip(&of_patch).filter(|(p, _)| graph.region(*p).is_some()) {
         stands[part as usize] = p;
     }
-    let candidates = stands.iter().map(|&p| candidate(&graph, p, judge, heard)).collect();
+    // Between shells the file has drawn the line already.
+    let shell = |h: u32| surface.origins[h as usize / 3].shell;
+    let open = near_borders(surface, &label, |h| shell(h) == shell(surface.twin[h as usize]));
+    let fixed = label.iter().zip(&open).map(|(&l, &open)| if open { -1 } else { l }).collect();
+    let vote = |&f: &u32| if open[f as usize] { label[f as usize] } else { -1 };
+    let votes = cloud.faces.iter().map(vote).collect();
+    let candidate = |&p: &u32| {
+        let found = candidate(&graph, p, judge, heard);
+        let name = given_name(surface, &graph, p).unwrap_or(found.name);
+        Candidate { name, ..found }
+    };
+    let candidates = stands.iter().map(candidate).collect();
     let joined = |c: &&super::regions::contact::Contact| {
         label[c.faces.0 as usize] == label[c.faces.1 as usize]
     };
     let bridges = contacts.iter().filter(joined).map(|c| c.faces).collect();
-    Ok(PartScores { candidates, fixed: label, bridges, ..Default::default() })
+    Ok(PartScores { candidates, fixed, votes, weights: vec![1.0; cloud.len()], bridges })
+}
+
+/// The name of the node that a part lies in, where the file has several.
+fn given_name(surface: &Surface, graph: &RegionGraph, p: u32) -> Option<String> {
+    let several = surface.origins.iter().any(|o| o.primitive != surface.origins[0].primitive);
+    let primitive = graph.region(p)?.primitive.filter(|_| several)?;
+    surface.names.get(primitive as usize).filter(|n| !n.is_empty()).cloned()
 }
 
 /// Name, source and confidence of the part whose region stands at `p`.

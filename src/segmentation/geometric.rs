@@ -16,18 +16,11 @@ const FACES: usize = 60;
 /// A body with more regions is rough, not made of parts.
 const PARTS: usize = 64;
 
-/// Share of the area above which `auto` takes a body for one that its author did not take apart.
-const WHOLE: f64 = 0.4;
-
 /// Faces this many steps from another region are open to the cut.
 const RINGS: usize = 2;
 
 /// Regions between valleys, in every body of the surface.
 pub struct Geometric;
-
-/// The author's structure, and inside a closed body that is most of the object, or all of it, what
-/// the geometry says.
-pub struct Bodies;
 
 impl Segmenter for Geometric {
     fn segment(
@@ -42,36 +35,15 @@ impl Segmenter for Geometric {
             candidate.source = SegmentationSource::Geometric;
             candidate.confidence = 0.5;
         }
-        refine(surface, cloud, authored, |_| true, run)
+        refine(surface, cloud, authored, run)
     }
 }
 
-impl Segmenter for Bodies {
-    fn segment(
-        &self,
-        surface: &Surface,
-        cloud: &PointCloud,
-        run: &Run,
-    ) -> Result<PartScores, SegmentationError> {
-        let authored = Authored.segment(surface, cloud, run)?;
-        let only = authored.candidates.len() == 1;
-        let total = surface.area();
-        let whole = |faces: &[u32]| {
-            let area: f64 = faces.iter().map(|&f| surface.areas[f as usize]).sum();
-            let closed =
-                || faces.iter().all(|&f| (0..3).all(|k| surface.twin[3 * f as usize + k] != NONE));
-            only || (area > WHOLE * total && closed())
-        };
-        refine(surface, cloud, authored, whole, run)
-    }
-}
-
-/// Divide the authored parts that `whole` picks into their regions.
+/// Divide the authored parts into their regions.
 fn refine(
     surface: &Surface,
     cloud: &PointCloud,
     mut scores: PartScores,
-    whole: impl Fn(&[u32]) -> bool,
     run: &Run,
 ) -> Result<PartScores, SegmentationError> {
     let mut faces = vec![Vec::new(); scores.candidates.len()];
@@ -83,7 +55,7 @@ fn refine(
     let mut region = vec![-1; surface.face_count()];
     for (label, faces) in faces.iter().enumerate() {
         run.cancel.check()?;
-        if faces.len() < FACES || !whole(faces) {
+        if faces.len() < FACES {
             continue;
         }
         let found = regions(surface, faces, &mut local, run)?;
@@ -114,7 +86,7 @@ fn refine(
             }
         }
     }
-    let open = near_borders(surface, &region);
+    let open = near_borders(surface, &region, |_| true);
     for (f, &r) in region.iter().enumerate().filter(|(_, r)| **r >= 0) {
         scores.fixed[f] = if open[f] { -1 } else { r };
     }
@@ -125,10 +97,16 @@ fn refine(
     Ok(scores)
 }
 
-/// The faces within [`RINGS`] steps of a border between two regions.
-fn near_borders(surface: &Surface, region: &[i32]) -> Vec<bool> {
+/// The faces within [`RINGS`] steps of a border between two regions that may be moved: `free` is asked
+/// for its half-edges.
+pub(super) fn near_borders(
+    surface: &Surface,
+    region: &[i32],
+    free: impl Fn(u32) -> bool,
+) -> Vec<bool> {
     let across = |f: u32| {
-        (3 * f..3 * f + 3).map(|h| surface.twin[h as usize]).filter(|&t| t != NONE).map(|t| t / 3)
+        let edges = (3 * f..3 * f + 3).filter(|&h| surface.twin[h as usize] != NONE && free(h));
+        edges.map(|h| surface.twin[h as usize] / 3)
     };
     let mut open = vec![false; region.len()];
     let mut front: Vec<u32> = (0..region.len() as u32)

@@ -12,6 +12,7 @@ mod geometric;
 mod given;
 mod graph_cut;
 mod labels;
+mod network;
 pub mod point_mae;
 pub mod regions;
 mod scores;
@@ -21,12 +22,16 @@ mod votes;
 
 pub use error::SegmentationError;
 pub use labels::{Part, PartLabels};
+pub use network::{Network, network, use_weights};
 pub use scores::{Candidate, PartScores};
 
 use crate::contract::{Run, SegmentationSource};
+use crate::device::Device;
 use crate::mesh::Surface;
 use crate::sampling::PointCloud;
 use dual::DualGraph;
+use fusion::fuse;
+use regions::{Heard, gather};
 
 /// A source of parts.
 pub trait Segmenter {
@@ -41,28 +46,44 @@ pub trait Segmenter {
 
 /// The parts of a surface: one a face.
 ///
-/// `auto` takes given labels if there are any; otherwise what the author said (nodes, primitives,
-/// materials, connected components), and inside a large closed body of one piece what its geometry
-/// says. The learned source is not in this version.
+/// `auto` takes given labels if there are any, and otherwise hears all: the network, the file's
+/// structure, the shape; `learned` hears the network alone. `device` is where the network runs.
 pub fn segment(
     surface: &Surface,
     cloud: &PointCloud,
     source: SegmentationSource,
+    device: &Device,
     run: &Run,
 ) -> Result<PartLabels, SegmentationError> {
-    let segmenter: Box<dyn Segmenter> = match source {
-        SegmentationSource::Labels => Box::new(given::Given),
-        SegmentationSource::Authored => Box::new(authored::Authored),
-        SegmentationSource::Geometric => Box::new(geometric::Geometric),
-        SegmentationSource::Learned => return Err(SegmentationError::NotInThisVersion),
-        SegmentationSource::Auto if has_labels(surface) => Box::new(given::Given),
-        SegmentationSource::Auto => Box::new(geometric::Bodies),
+    let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
+        let network = network(device)?;
+        let evidence = gather(surface, cloud, Some(&network), run)?;
+        Ok(fuse(surface, cloud, &evidence, &network.judge, (heard, fusion::CUT), run)?)
     };
-    let scores = segmenter.segment(surface, cloud, run)?;
+    let scores = match source {
+        SegmentationSource::Labels => given::Given.segment(surface, cloud, run)?,
+        SegmentationSource::Authored => authored::Authored.segment(surface, cloud, run)?,
+        SegmentationSource::Geometric => geometric::Geometric.segment(surface, cloud, run)?,
+        SegmentationSource::Learned => fused(Heard::LEARNED)?,
+        SegmentationSource::Auto if has_labels(surface) => {
+            given::Given.segment(surface, cloud, run)?
+        }
+        SegmentationSource::Auto => fused(Heard::ALL)?,
+    };
+    settle(surface, cloud, &scores, run)
+}
+
+/// From what a source says to parts: votes, graph cut, connected pieces.
+pub fn settle(
+    surface: &Surface,
+    cloud: &PointCloud,
+    scores: &PartScores,
+    run: &Run,
+) -> Result<PartLabels, SegmentationError> {
     run.cancel.check()?;
     let dual = DualGraph::new(surface);
-    let faces = graph_cut::decide(surface, cloud, &dual, &scores, run)?;
-    Ok(labels::connected_parts(surface, &dual, &scores, &faces))
+    let faces = graph_cut::decide(surface, cloud, &dual, scores, run)?;
+    Ok(labels::connected_parts(surface, &dual, scores, &faces))
 }
 
 /// Whether any face has a label.

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::contract::ErrorCode;
+use crate::device::Device;
 use crate::mesh::NONE;
 use crate::sampling::{SampleCounts, sample};
 
@@ -90,7 +91,7 @@ fn joined() -> Surface {
 fn parts_of(s: &Surface, source: SegmentationSource) -> PartLabels {
     let run = Run::quiet();
     let cloud = sample(s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    segment(s, &cloud, source, &run).unwrap()
+    segment(s, &cloud, source, &Device::cpu(), &run).unwrap()
 }
 
 /// Every usable face has a part, parts are connected and numbered in order of first face, names
@@ -134,17 +135,15 @@ fn assert_sound(s: &Surface, found: &PartLabels) {
 #[test]
 fn two_blocks_in_one_body_come_apart_in_the_valley() {
     let s = joined();
-    for source in [SegmentationSource::Geometric, SegmentationSource::Auto] {
-        let found = parts_of(&s, source);
-        assert_sound(&s, &found);
-        assert_eq!(found.parts.len(), 2);
-        assert!(found.parts.iter().all(|p| p.source == SegmentationSource::Geometric));
-        assert!(found.parts.iter().all(|p| p.confidence > 0.7), "a right-angled valley is sure");
-        for f in 0..s.face_count() {
-            let tall = s.centroid(f).y > 3.0;
-            let floor = found.labels[0];
-            assert_eq!(found.labels[f] == floor, !tall, "face {f} at {}", s.centroid(f));
-        }
+    let found = parts_of(&s, SegmentationSource::Geometric);
+    assert_sound(&s, &found);
+    assert_eq!(found.parts.len(), 2);
+    assert!(found.parts.iter().all(|p| p.source == SegmentationSource::Geometric));
+    assert!(found.parts.iter().all(|p| p.confidence > 0.7), "a right-angled valley is sure");
+    for f in 0..s.face_count() {
+        let tall = s.centroid(f).y > 3.0;
+        let floor = found.labels[0];
+        assert_eq!(found.labels[f] == floor, !tall, "face {f} at {}", s.centroid(f));
     }
 }
 
@@ -191,12 +190,12 @@ fn a_stem_and_a_cap_are_two_parts_and_a_turned_leg_is_one() {
     let stem = (0..8).map(|i| (1.0, 0.5 * f64::from(i)));
     let cap = (0..6).map(|i| (3.0 - 0.05 * f64::from(i), 3.5 + 0.4 * f64::from(i)));
     let profile: Vec<(f64, f64)> = stem.chain([(2.0, 3.5)]).chain(cap).collect();
-    let found = parts_of(&surface(&[turned(&profile, 24)]), SegmentationSource::Auto);
+    let found = parts_of(&surface(&[turned(&profile, 24)]), SegmentationSource::Geometric);
     assert_eq!(found.parts.len(), 2, "{:?}", found.parts);
 
     let waves: Vec<(f64, f64)> =
         (0..40).map(|i| f64::from(i) / 4.0).map(|y| (1.0 + 0.25 * y.sin(), y)).collect();
-    let found = parts_of(&surface(&[turned(&waves, 24)]), SegmentationSource::Auto);
+    let found = parts_of(&surface(&[turned(&waves, 24)]), SegmentationSource::Geometric);
     assert_eq!(found.parts.len(), 1, "{:?}", found.parts);
     assert_eq!(found.parts[0].source, SegmentationSource::Authored);
 }
@@ -207,14 +206,12 @@ fn what_the_author_said_is_kept() {
     let mut s = surface(&[box_at(0), box_at(2), box_at(9)]);
     s.names = vec!["leg".into(), "leg".into(), "seat".into()];
     s.usable[3] = false;
-    for source in [SegmentationSource::Authored, SegmentationSource::Auto] {
-        let found = parts_of(&s, source);
-        assert_sound(&s, &found);
-        let names: Vec<_> = found.parts.iter().map(|p| p.name.as_str()).collect();
-        assert_eq!(names, ["leg_1", "leg_2", "seat"]);
-        assert!(found.parts.iter().all(|p| p.source == SegmentationSource::Authored));
-        assert!(found.parts.iter().all(|p| p.confidence > 0.8));
-    }
+    let found = parts_of(&s, SegmentationSource::Authored);
+    assert_sound(&s, &found);
+    let names: Vec<_> = found.parts.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["leg_1", "leg_2", "seat"]);
+    assert!(found.parts.iter().all(|p| p.source == SegmentationSource::Authored));
+    assert!(found.parts.iter().all(|p| p.confidence > 0.8));
     // A name that a number would make twice is passed over.
     s.names = vec!["leg".into(), "leg".into(), "leg_1".into()];
     assert_sound(&s, &parts_of(&s, SegmentationSource::Auto));
@@ -279,9 +276,11 @@ fn both_sheets_of_a_double_sided_body_get_the_same_parts() {
         s.sheet_mate[f] = (f + n) as u32;
         s.sheet_mate[f + n] = f as u32;
     }
-    let found = parts_of(&s, SegmentationSource::Auto);
-    assert_eq!(found.labels[..n], found.labels[n..]);
-    assert_eq!(found.parts.len(), 2);
+    for source in [SegmentationSource::Geometric, SegmentationSource::Auto] {
+        let found = parts_of(&s, source);
+        assert_eq!(found.labels[..n], found.labels[n..], "{source}");
+    }
+    assert_eq!(parts_of(&s, SegmentationSource::Geometric).parts.len(), 2);
 }
 
 #[test]
@@ -289,16 +288,17 @@ fn what_cannot_be_done_is_an_invalid_option() {
     let mut s = joined();
     let run = Run::quiet();
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    let error = |s: &Surface, source| segment(s, &cloud, source, &run).unwrap_err();
+    let error = |s: &Surface, source| segment(s, &cloud, source, &Device::cpu(), &run).unwrap_err();
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoLabels);
-    assert_eq!(error(&s, SegmentationSource::Learned).code(), ErrorCode::InvalidOption);
     s.labels = Some(vec![-1; s.face_count()]);
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoneKnown);
-    assert_eq!(parts_of(&s, SegmentationSource::Auto).parts.len(), 2, "auto looks further");
+    let further = parts_of(&s, SegmentationSource::Auto);
+    assert!(further.parts.iter().all(|p| p.source != SegmentationSource::Labels));
     s.labels = Some(vec![0; 3]);
     assert_eq!(error(&s, SegmentationSource::Labels).code(), ErrorCode::InvalidOption);
     run.cancel.cancel();
-    let canceled = segment(&s, &cloud, SegmentationSource::Authored, &run).unwrap_err();
+    let canceled =
+        segment(&s, &cloud, SegmentationSource::Authored, &Device::cpu(), &run).unwrap_err();
     assert!(matches!(canceled, SegmentationError::Canceled(_)));
 }
 
@@ -306,7 +306,8 @@ fn what_cannot_be_done_is_an_invalid_option() {
 fn nothing_gives_nothing() {
     let s = Surface { diagonal: 1.0, ..Default::default() };
     for source in [SegmentationSource::Auto, SegmentationSource::Geometric] {
-        let found = segment(&s, &Default::default(), source, &Run::quiet()).unwrap();
+        let found =
+            segment(&s, &Default::default(), source, &Device::cpu(), &Run::quiet()).unwrap();
         assert!(found.parts.is_empty() && found.labels.is_empty());
     }
 }

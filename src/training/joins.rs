@@ -22,9 +22,10 @@ use crate::contract::{Canceled, Run};
 use crate::device::Device;
 use crate::mesh;
 use crate::sampling::{SampleCounts, sample};
-use crate::segmentation::point_mae::{PairHead, PointMae, PointMaeConfig};
+use crate::segmentation::Network;
+use crate::segmentation::point_mae::{PairHead, PointMae};
 use crate::segmentation::regions::{
-    Evidence, FEATURES, Heard, Judge, Network, RegionGraph, agglomerate, gather, prepare,
+    Evidence, FEATURES, Heard, Judge, RegionGraph, agglomerate, gather, prepare,
 };
 use crate::synth::{self, SynthKind};
 
@@ -64,17 +65,14 @@ struct Pair {
 /// Gather the evidence of objects with a trained network.
 pub fn know(
     meshes: Vec<LabelledMesh>,
-    model: &PointMae,
-    config: PointMaeConfig,
-    device: &Device,
+    network: &Network,
     seed: u64,
     run: &Run,
 ) -> Result<Vec<Known>, Canceled> {
-    let network = Network { model, config, device };
     let one = |mesh: LabelledMesh| {
         let counts = SampleCounts::dense(mesh.surface.face_count());
         let cloud = sample(&mesh.surface, counts, seed, run)?;
-        let evidence = gather(&mesh.surface, &cloud, Some(&network), run)?;
+        let evidence = gather(&mesh.surface, &cloud, Some(network), run)?;
         Ok(Known { mesh, evidence, cloud })
     };
     meshes.into_par_iter().map(one).collect()
@@ -244,5 +242,5 @@ pub fn procedural_mesh(
 /// Where a trained network with its judge is written.
 pub fn save_whole(model: &PointMae, head: PairHead, file: &Path) -> Result<(), TrainError> {
     let whole = PointMae { pairs: head, ..model.clone() };
-    Ok(crate::segmentation::point_mae::save(&whole, file)?)
+    Ok(crate::segmentation::point_mae::save(&whole, file, true)?)
 }

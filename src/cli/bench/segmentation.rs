@@ -10,16 +10,16 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::super::weights::Weights;
 use super::files::{Shard, guarded, named, stem};
-use crate::contract::Run;
+use crate::contract::{Run, SegmentationSource};
 use crate::device::{DeviceChoice, choose};
 use crate::mesh::Surface;
 use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::agreement::{Agreement, agreement};
 use crate::segmentation::fusion::{CUT, fuse};
-use crate::segmentation::point_mae::{ModelSize, PointMae, load};
-use crate::segmentation::regions::{Evidence, Heard, Judge, Network, gather};
-use crate::segmentation::{self};
+use crate::segmentation::regions::{Evidence, Heard, gather};
+use crate::segmentation::{self, Network, PartLabels, network};
 use crate::training::{LabelledMesh, held_out, read_labelled};
 
 /// Arguments of `uvsegnet bench segmentation`.
@@ -27,12 +27,9 @@ use crate::training::{LabelledMesh, held_out, read_labelled};
 pub struct Args {
     /// The folder: X.obj or X.glb, with X.labels.txt or X.inst.txt beside it.
     pub dir: PathBuf,
-    /// Weights of the network; those that ship if absent.
-    #[arg(long)]
-    pub weights: Option<PathBuf>,
-    /// Which network the weights are of.
-    #[arg(long, value_enum, default_value = "small")]
-    pub size: ModelSize,
+    /// Which weights the network has.
+    #[command(flatten)]
+    pub weights: Weights,
     /// One share of the objects, by size: I/N.
     #[arg(long, default_value_t)]
     pub shard: Shard,
@@ -84,15 +81,10 @@ pub fn run(args: Args) -> Result<()> {
         None => args.shard.of(&args.dir)?,
     };
     let device = choose(&args.device)?;
-    let config = args.size.config();
-    let mut model = PointMae::new(&config, 0, &device.burn());
-    if let Some(weights) = &args.weights {
-        load(&mut model, &config, weights)?;
-    }
-    let judge = Judge::new(&model.pairs);
-    let network = Network { model: &model, config, device: &device };
+    args.weights.apply();
+    let network = network(&device)?;
     let one = |file: &PathBuf| {
-        let row = guarded(|| object(file, &network, &judge, &args.seeds));
+        let row = guarded(|| object(file, &network, &args.seeds));
         if let Err(error) = &row {
             eprintln!("{}: {error:#}", stem(file));
         }
@@ -110,7 +102,7 @@ pub fn run(args: Args) -> Result<()> {
     Ok(())
 }
 
-fn object(file: &Path, network: &Network, judge: &Judge, seeds: &[u64]) -> Result<Row> {
+fn object(file: &Path, network: &Network, seeds: &[u64]) -> Result<Row> {
     let run = Run::quiet();
     let mesh = read_labelled(file, &run)?;
     let surface = &mesh.surface;
@@ -120,16 +112,24 @@ fn object(file: &Path, network: &Network, judge: &Judge, seeds: &[u64]) -> Resul
         let start = Instant::now();
         let cloud = sample(surface, SampleCounts::dense(surface.face_count()), seed, &run)?;
         let evidence = gather(surface, &cloud, Some(network), &run)?;
-        let fused = |heard, cut| fused(surface, &cloud, &evidence, judge, heard, cut);
+        let fused = |heard, cut| fused(surface, &cloud, &evidence, network, (heard, cut));
         let auto = fused(Heard::ALL, CUT)?;
         seconds += start.elapsed().as_secs_f64() / seeds.len() as f64;
-        let only = Heard { learned: false, authored: false, shape: false };
         let found = [
             ("one part", vec![0; surface.face_count()]),
             ("components", components(surface)),
-            ("geometric", source(surface, &cloud, crate::contract::SegmentationSource::Geometric)?),
-            ("learned", fused(Heard { learned: true, ..only }, CUT)?),
-            ("shape", fused(Heard { shape: true, ..only }, CUT)?),
+            (
+                "geometric",
+                labels(&segmentation::segment(
+                    surface,
+                    &cloud,
+                    SegmentationSource::Geometric,
+                    &network.device,
+                    &run,
+                )?)?,
+            ),
+            ("learned", fused(Heard::LEARNED, CUT)?),
+            ("shape", fused(Heard::SHAPE, CUT)?),
             ("auto", auto),
             ("auto .65", fused(Heard::ALL, 0.65)?),
             ("auto .8", fused(Heard::ALL, 0.8)?),
@@ -158,21 +158,15 @@ fn fused(
     surface: &Surface,
     cloud: &PointCloud,
     evidence: &Evidence,
-    judge: &Judge,
-    heard: Heard,
-    cut: f64,
+    network: &Network,
+    how: (Heard, f64),
 ) -> Result<Vec<i32>> {
     let run = Run::quiet();
-    let scores = fuse(surface, cloud, evidence, judge, heard, cut, &run)?;
-    Ok(scores.fixed)
+    let scores = fuse(surface, cloud, evidence, &network.judge, how, &run)?;
+    labels(&segmentation::settle(surface, cloud, &scores, &run)?)
 }
 
-fn source(
-    surface: &Surface,
-    cloud: &PointCloud,
-    source: crate::contract::SegmentationSource,
-) -> Result<Vec<i32>> {
-    let parts = segmentation::segment(surface, cloud, source, &Run::quiet())?;
+fn labels(parts: &PartLabels) -> Result<Vec<i32>> {
     Ok(parts.labels.iter().map(|&l| l as i32).collect())
 }
 

@@ -61,7 +61,7 @@ fn weights_survive_a_file_and_the_wrong_size_is_refused() {
     let config = PointMaeConfig { depth: 2, taps: [1, 1, 2], ..ModelSize::Small.config() };
     let device = Device::cpu();
     let model = PointMae::new(&config, 1, &device.burn());
-    save(&model, &file).unwrap();
+    save(&model, &file, false).unwrap();
     let mut other = PointMae::new(&config, 2, &device.burn());
     assert_eq!(load(&mut other, &config, &file), Ok(Loaded::Whole));
     let (seen, asked) = ([ball(200, 1)], [ball(5, 3)]);

@@ -3,7 +3,10 @@
 
 use std::path::Path;
 
-use burn::store::{ModuleSnapshot, PytorchStore, SafetensorsStore};
+use burn::store::{
+    FloatCastAdapter, HalfPrecisionAdapter, ModuleSnapshot, PytorchStore, SafetensorsStore,
+};
+use burn::tensor::DType;
 
 use super::config::{ModelSize, PointMaeConfig};
 use super::model::PointMae;
@@ -84,7 +87,9 @@ pub fn load(
     let unreadable = |reason: String| WeightsError::Unreadable { file: name.clone(), reason };
     std::fs::metadata(file).map_err(|e| unreadable(e.to_string()))?;
     let result = if file.extension().is_some_and(|e| e == "safetensors") {
-        let mut store = SafetensorsStore::from_file(file).allow_partial(true);
+        let mut store = SafetensorsStore::from_file(file)
+            .allow_partial(true)
+            .with_from_adapter(FloatCastAdapter::to(DType::F32));
         model.load_from(&mut store).map_err(|e| unreadable(first_line(&e.to_string())))?
     } else {
         let mut store =
@@ -116,7 +121,8 @@ pub fn from_bytes(
     device: &burn::tensor::Device,
 ) -> Result<PointMae, WeightsError> {
     let mut model = PointMae::new(&size.config(), 0, device);
-    let mut store = SafetensorsStore::from_bytes(Some(bytes));
+    let mut store = SafetensorsStore::from_bytes(Some(bytes))
+        .with_from_adapter(FloatCastAdapter::to(DType::F32));
     let unreadable =
         |reason: String| WeightsError::Unreadable { file: "weights".to_owned(), reason };
     let result = model.load_from(&mut store).map_err(|e| unreadable(first_line(&e.to_string())))?;
@@ -126,11 +132,14 @@ pub fn from_bytes(
     }
 }
 
-/// Write the weights as safetensors.
-pub fn save(model: &PointMae, file: &Path) -> Result<(), WeightsError> {
+/// Write the weights as safetensors, of half precision if they are to be `small`.
+pub fn save(model: &PointMae, file: &Path, small: bool) -> Result<(), WeightsError> {
     let name = file.display().to_string();
     let unreadable = |reason: String| WeightsError::Unreadable { file: name.clone(), reason };
     let mut store = SafetensorsStore::from_file(file).overwrite(true);
+    if small {
+        store = store.with_to_adapter(HalfPrecisionAdapter::new().with_module("Pointwise"));
+    }
     model.save_into(&mut store).map_err(|e| unreadable(e.to_string()))
 }
 

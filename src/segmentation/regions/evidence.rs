@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 
 use glam::DVec3;
 
-use super::super::point_mae::{NAMES, NetworkCloud, PointMae, PointMaeConfig};
+use super::super::network::Network;
+use super::super::point_mae::{NAMES, NetworkCloud};
 use super::super::thickness::thickness;
 use crate::contract::{Canceled, Run};
-use crate::device::Device;
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
 use crate::sampling::{NETWORK_POINTS, PointCloud, farthest_points};
@@ -32,16 +32,6 @@ pub struct Evidence {
     pub thickness: Vec<f32>,
 }
 
-/// A network ready to be asked.
-pub struct Network<'a> {
-    /// The network.
-    pub model: &'a PointMae,
-    /// Its sizes.
-    pub config: PointMaeConfig,
-    /// Where it runs.
-    pub device: &'a Device,
-}
-
 /// Gather the evidence, with a network or without.
 pub fn gather(
     surface: &Surface,
@@ -49,6 +39,9 @@ pub fn gather(
     network: Option<&Network>,
     run: &Run,
 ) -> Result<Evidence, Canceled> {
+    if cloud.is_empty() {
+        return Ok(Evidence { thickness: vec![0.0; surface.face_count()], ..Default::default() });
+    }
     let asked = cloud.subset(&spread(cloud));
     let rays = Rays::new(surface);
     let through = thickness(surface, &rays, &asked.positions, &asked.faces);
@@ -58,7 +51,7 @@ pub fn gather(
     let fill = nearest_known(surface, &asked);
     let mut evidence =
         Evidence { thickness: on_faces(faces, &asked, &relative, 1, &fill), ..Default::default() };
-    let Some(Network { model, config, device }) = network else { return Ok(evidence) };
+    let Some(Network { model, config, device, .. }) = network else { return Ok(evidence) };
     let seen = cloud.subset(&farthest_points(cloud, NETWORK_POINTS, run)?);
     let seen_through = thickness(surface, &rays, &seen.positions, &seen.faces);
     let mut whole = network_cloud(&seen, &seen_through);

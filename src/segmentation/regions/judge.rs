@@ -21,6 +21,12 @@ impl Heard {
     /// All evidence.
     pub const ALL: Self = Self { learned: true, authored: true, shape: true };
 
+    /// The network alone.
+    pub const LEARNED: Self = Self { learned: true, authored: false, shape: false };
+
+    /// The shape alone.
+    pub const SHAPE: Self = Self { learned: false, authored: false, shape: true };
+
     /// Silence the features of what is not heard.
     pub fn mask(self, features: &mut [f32; FEATURES]) {
         let groups = [(self.learned, LEARNED), (self.authored, AUTHORED), (self.shape, SHAPE)];

@@ -11,7 +11,7 @@ pub mod hierarchy;
 pub mod judge;
 pub mod patches;
 
-pub use evidence::{Evidence, Network, gather};
+pub use evidence::{Evidence, gather};
 pub use features::{AUTHORED, FEATURES, LEARNED, SHAPE};
 pub use graph::RegionGraph;
 pub use hierarchy::{Boundary, Hierarchy, Join, agglomerate};
