@@ -58,6 +58,12 @@ impl Unwrapped {
     pub fn summary(&self) -> String {
         let m = &self.metrics;
         let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.4}"));
+        if m.atlas.charts == 0 && m.charts.is_empty() && !m.parts.is_empty() {
+            let names: Vec<&str> = m.parts.iter().take(12).map(|p| p.name.as_str()).collect();
+            let more = if m.parts.len() > 12 { ", …" } else { "" };
+            let seconds = m.cost.wall_s;
+            return format!("{} parts: {}{more}; {seconds:.1} s", m.parts.len(), names.join(", "));
+        }
         let trained = m.charts.iter().filter(|c| c.steps > 0).count();
         format!(
             "{} parts, {} charts ({trained} trained on {}), {}; seam length {} × √area, \

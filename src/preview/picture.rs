@@ -1,5 +1,5 @@
 //! `preview.png`: on the left a checker on the shaded object with its seams, at the top right the
-//! object by parts, below it the UV layout.
+//! object by parts, below it the UV layout. Without charts the object by parts fills the picture.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,13 +28,19 @@ pub enum PreviewError {
     Encoding(#[from] png::EncodingError),
 }
 
-/// Draws the preview: 1152 × 768 pixels, PNG.
+/// Draws the preview: 1152 × 768 pixels, PNG; 768 × 768 without charts.
 pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError> {
     let cancel = &run.cancel;
+    if input.charts == 0 {
+        let edges = EdgeTable::new(input, |f| input.surface.usable[f as usize], cancel)?;
+        let mut page = Canvas::gradient(LARGE, LARGE, Vec3::ONE, Vec3::ONE);
+        page.paste_smaller(&parts_panel(input, &edges, LARGE, cancel)?, FACTOR, 0, 0);
+        return Ok(encode_png(&page, png::Compression::Fast)?);
+    }
     let edges = EdgeTable::new(input, |f| input.face_map(f as usize).is_some(), cancel)?;
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE, Vec3::ONE, Vec3::ONE);
     page.paste_smaller(&checker_panel(input, &edges, cancel)?, FACTOR, 0, 0);
-    page.paste_smaller(&parts_panel(input, &edges, cancel)?, FACTOR, LARGE, 0);
+    page.paste_smaller(&parts_panel(input, &edges, SMALL, cancel)?, FACTOR, LARGE, 0);
     cancel.check()?;
     page.paste_smaller(&layout_panel(input, &edges), FACTOR, LARGE, SMALL);
     for y in 0..LARGE {
@@ -79,14 +85,20 @@ fn checker_panel(input: &Measured, edges: &EdgeTable, cancel: &Cancel) -> Result
     Ok(canvas)
 }
 
-fn parts_panel(input: &Measured, edges: &EdgeTable, cancel: &Cancel) -> Result<Canvas, Canceled> {
-    let mut canvas = background(SMALL);
-    let Some(view) = View::new(input.surface, SMALL, cancel)? else { return Ok(canvas) };
+fn parts_panel(
+    input: &Measured,
+    edges: &EdgeTable,
+    size: usize,
+    cancel: &Cancel,
+) -> Result<Canvas, Canceled> {
+    let mut canvas = background(size);
+    let Some(view) = View::new(input.surface, size, cancel)? else { return Ok(canvas) };
     let colors: Vec<Vec3> = input.part_of.iter().map(|p| linear(part_color(*p))).collect();
     let brighter = |c: Vec3| c.lerp(Vec3::ONE, 0.12);
     view.paint(&mut canvas, |face, _, _| brighter(colors[face as usize]));
     let line = Line { color: [0x20, 0x22, 0x28], thick: 0.5, strength: 0.55 };
-    view.draw_edges(&mut canvas, edges, &line, |e| edges.cuts[e] > 0);
+    let is_line = |e: usize| if input.charts == 0 { edges.boundary[e] } else { edges.cuts[e] > 0 };
+    view.draw_edges(&mut canvas, edges, &line, is_line);
     Ok(canvas)
 }
 

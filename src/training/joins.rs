@@ -23,9 +23,10 @@ use crate::device::Device;
 use crate::mesh;
 use crate::sampling::{SampleCounts, sample};
 use crate::segmentation::Network;
+use crate::segmentation::fusion::CUT;
 use crate::segmentation::point_mae::{PairHead, PointMae};
 use crate::segmentation::regions::{
-    Evidence, FEATURES, Heard, Judge, RegionGraph, agglomerate, gather, prepare,
+    Evidence, FEATURES, Heard, Judge, RegionGraph, agglomerate, features::features, gather, prepare,
 };
 use crate::synth::{self, SynthKind};
 
@@ -59,7 +60,8 @@ pub struct Known {
 struct Pair {
     features: [f32; FEATURES],
     is_boundary: bool,
-    weight: f32,
+    /// How often it is drawn.
+    weight: f64,
 }
 
 /// Gather the evidence of objects with a trained network.
@@ -91,8 +93,13 @@ pub fn train_joins(
     for round in 0..ROUNDS {
         let judge = (round > 0).then(|| Judge::new(&head.valid()));
         let found: Result<Vec<Vec<Pair>>, Canceled> =
-            known.par_iter().map(|k| judged(k, judge.as_ref(), run)).collect();
+            known.par_iter().map(|k| judged(k, judge.as_ref(), false, run)).collect();
         pairs.extend(found?.into_iter().flatten());
+        if judge.is_some() {
+            let found: Result<Vec<Vec<Pair>>, Canceled> =
+                known.par_iter().map(|k| judged(k, judge.as_ref(), true, run)).collect();
+            pairs.extend(found?.into_iter().flatten());
+        }
         let (trained, loss) = fit(head, &pairs, seed + round as u64, device, run)?;
         head = trained;
         watch(round, pairs.len(), loss);
@@ -100,8 +107,14 @@ pub fn train_joins(
     Ok(head.valid())
 }
 
-/// The pairs that are met when an object is agglomerated without a wrong join.
-fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, Canceled> {
+/// The pairs that are met when an object is agglomerated without a wrong join; or, `astray`, with those
+/// that the judge makes, up to where it would stop and once around what is left.
+fn judged(
+    known: &Known,
+    judge: Option<&Judge>,
+    astray: bool,
+    run: &Run,
+) -> Result<Vec<Pair>, Canceled> {
     let truth = Some(known.mesh.parts.as_slice());
     let prepared = prepare(&known.mesh.surface, &known.cloud, &known.evidence, truth, run)?;
     let mut graph = prepared.graph;
@@ -110,12 +123,13 @@ fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, 
     // smaller has grown by half.
     let mut refused: HashMap<(u32, u32), f64> = HashMap::new();
     let first =
-        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[12] + x[5]) + 0.1 * f64::from(x[18]);
+        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[16] + x[5]) + 0.1 * f64::from(x[20]);
     let boundary = |_: &RegionGraph, _: &_, _: &_, _: &_, x: &[f32; FEATURES]| match judge {
         Some(judge) => judge.boundary(x, Heard::ALL),
         None => first(x),
     };
-    agglomerate(&mut graph, &boundary, f64::INFINITY, run, |graph, a, b, x| {
+    let until = if astray { CUT } else { f64::INFINITY };
+    agglomerate(&mut graph, &boundary, until, run, |graph, a, b, x| {
         let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { return false };
         let (Some(p), Some(q)) = (r.majority(), s.majority()) else { return true };
         let is_boundary = p.0 != q.0;
@@ -130,14 +144,24 @@ fn judged(known: &Known, judge: Option<&Judge>, run: &Run) -> Result<Vec<Pair>, 
         let share = smaller / graph.area.max(f64::MIN_POSITIVE);
         // A region of two parts teaches little.
         let clear = (p.1.min(q.1) * 2.0 - 1.0).max(0.0);
-        let weight = (clear * (0.05 + share.sqrt())) as f32;
-        pairs.push(Pair { features: *x, is_boundary, weight });
-        !is_boundary
+        pairs.push(Pair { features: *x, is_boundary, weight: clear * share.sqrt() });
+        !is_boundary || astray
     })?;
+    if astray {
+        let left = (0u32..).zip(&graph.borders);
+        for (a, b, border) in left.flat_map(|(a, n)| n.range(a..).map(move |(&b, x)| (a, b, x))) {
+            let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { continue };
+            let (Some(p), Some(q)) = (r.majority(), s.majority()) else { continue };
+            let share = r.area.min(s.area) / graph.area.max(f64::MIN_POSITIVE);
+            let weight = (p.1.min(q.1) * 2.0 - 1.0).max(0.0) * share.sqrt();
+            let features = features(&graph, r, s, border);
+            pairs.push(Pair { features, is_boundary: p.0 != q.0, weight });
+        }
+    }
     Ok(pairs)
 }
 
-/// Descend the weighted cross entropy.
+/// Descend the cross entropy of pairs drawn by their weight.
 fn fit(
     mut head: PairHead,
     pairs: &[Pair],
@@ -149,29 +173,31 @@ fn fit(
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut optimizer = AdamWConfig::new().with_weight_decay(1e-3).init();
     let mut recent = f64::NAN;
+    let sums: Vec<f64> = pairs
+        .iter()
+        .scan(0.0, |sum, p| {
+            *sum += p.weight;
+            Some(*sum)
+        })
+        .collect();
+    let total = sums.last().copied().filter(|t| *t > 0.0).ok_or(TrainError::NoExamples)?;
     for step in 0..STEPS {
         run.cancel.check()?;
-        let (mut x, mut y, mut w) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..BATCH.min(pairs.len().max(1)) {
-            let Some(pair) = pairs.get(rng.random_range(0..pairs.len().max(1))) else { continue };
-            let mut features = pair.features;
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        for _ in 0..BATCH {
+            let at = rng.random_range(0.0..1.0) * total;
+            let drawn = sums.partition_point(|&s| s <= at).min(pairs.len() - 1);
+            let mut features = pairs[drawn].features;
             let mut hears = || !rng.random_bool(DEAF);
             let heard = Heard { learned: hears(), authored: hears(), shape: hears() };
             heard.mask(&mut features);
             x.extend(features);
-            y.push(if pair.is_boundary { -1.0_f32 } else { 1.0 });
-            w.push(pair.weight);
+            y.push(if pairs[drawn].is_boundary { 1.0_f32 } else { -1.0 });
         }
-        let count = y.len();
-        let sum: f32 = w.iter().sum::<f32>().max(1e-6);
-        w.iter_mut().for_each(|w| *w /= sum);
-        let column = |v: Vec<f32>| -> Tensor<3> {
-            Tensor::from_data(TensorData::new(v, [1, count, 1]), &tensors)
-        };
-        let x = Tensor::from_data(TensorData::new(x, [1, count, FEATURES]), &tensors);
+        let signs = Tensor::from_data(TensorData::new(y, [1, BATCH, 1]), &tensors);
+        let x = Tensor::from_data(TensorData::new(x, [1, BATCH, FEATURES]), &tensors);
         // −log σ(±logit): the sign is that of a pair's kind.
-        let logits = head.forward(x, device) * column(y) * -1.0;
-        let loss = -(log_sigmoid(logits) * column(w)).sum();
+        let loss = -log_sigmoid(head.forward(x, device) * signs).mean();
         let value = f64::from(loss.clone().into_scalar::<f32>());
         recent = if recent.is_nan() { value } else { 0.98 * recent + 0.02 * value };
         let gradients = GradientsParams::from_grads(loss.backward(), &head);
@@ -221,7 +247,7 @@ pub fn procedural_mesh(
     let (object, structure) = if fused {
         // A body that was scanned or printed has no hard edges to be split at.
         let split = if structure == Structure::Soup { Structure::Soup } else { Structure::Solids };
-        (synth::fused(object, rng.random_range(2000..6000)), split)
+        (synth::fused(object, rng.random_range(2000..9000)), split)
     } else {
         (object, structure)
     };

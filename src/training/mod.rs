@@ -12,6 +12,8 @@ mod names;
 mod procedural;
 mod recipe;
 mod structure;
+#[cfg(test)]
+mod tests;
 mod trainer;
 mod union;
 mod validation;

@@ -66,6 +66,14 @@ impl Embedding {
     }
 }
 
+#[cfg(test)]
+impl Embedding {
+    /// Weight and bias of the first layer, its norm folded in.
+    pub fn first_layer(&self) -> (Tensor<2>, Tensor<1>) {
+        fold(&self.first, &self.norm_1)
+    }
+}
+
 fn fold(layer: &Pointwise, norm: &Option<RunningNorm>) -> (Tensor<2>, Tensor<1>) {
     match norm {
         Some(norm) => norm.fold(layer.matrix(), layer.bias()),

@@ -102,3 +102,11 @@ impl Transformer {
         self.blocks.len()
     }
 }
+
+#[cfg(test)]
+impl Transformer {
+    /// Weight of the last layer of the second block, `[4 width, width]`.
+    pub fn second_block_down(&self) -> Tensor<2> {
+        self.blocks[1].down.weight.val()
+    }
+}

@@ -14,7 +14,7 @@ pub const LEARNED: std::ops::Range<usize> = 0..5;
 pub const AUTHORED: std::ops::Range<usize> = 5..11;
 
 /// Those that come from the shape.
-pub const SHAPE: std::ops::Range<usize> = 12..26;
+pub const SHAPE: std::ops::Range<usize> = 12..28;
 
 /// The numbers for a pair of neighbours.
 pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) -> [f32; FEATURES] {
@@ -54,6 +54,8 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         border.valley / edges,
         border.ridge / edges,
         border.bend / edges,
+        border.bay / edges,
+        border.bulge / edges,
         (length / around).min(1.0),
         (length / small.area.sqrt() / 4.0).min(2.0),
         share(small),

@@ -65,6 +65,10 @@ pub struct Border {
     pub ridge: f64,
     /// Length × bend.
     pub bend: f64,
+    /// Length × how concave the two sides' patches lie: edges of a fine mesh hardly bend, patches do.
+    pub bay: f64,
+    /// Length × how convex they lie.
+    pub bulge: f64,
     /// Length × distance of the two sides' embeddings.
     pub step: f64,
 }
@@ -78,6 +82,8 @@ impl Border {
         self.weight += other.weight;
         self.ridge += other.ridge;
         self.bend += other.bend;
+        self.bay += other.bay;
+        self.bulge += other.bulge;
         self.step += other.step;
     }
 }
@@ -261,7 +267,11 @@ fn add_face(
     }
     let of_mean = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
     region.products += of_mean * (area * 0.75);
-    region.normal += area * surface.normals[face];
+    // The two faces of a double-sided sheet would cancel.
+    let mate = surface.sheet_mate[face];
+    if mate == NONE || face < mate as usize {
+        region.normal += area * surface.normals[face];
+    }
     let origin = &surface.origins[face];
     let keep = |known: Option<u32>, own: u32| {
         if first { Some(own) } else { known.filter(|k| *k == own) }
@@ -280,7 +290,10 @@ fn edge(surface: &Surface, regions: &[Region], (a, b): (u32, u32), h: u32) -> Bo
     let (length, angle) = (surface.length(h), surface.dihedral(h));
     let shell = |h: u32| surface.origins[h as usize / 3].shell;
     let across = shell(h) != shell(surface.twin[h as usize]);
+    let lie = lie(&regions[a as usize], &regions[b as usize]);
     Border {
+        bay: length * (-lie / FULL).clamp(0.0, 1.0),
+        bulge: length * (lie / FULL).clamp(0.0, 1.0),
         length,
         edges: length,
         across_shells: if across { length } else { 0.0 },
@@ -290,6 +303,14 @@ fn edge(surface: &Surface, regions: &[Region], (a, b): (u32, u32), h: u32) -> Bo
         bend: length * angle.abs(),
         step: length * distance(regions, a, b),
     }
+}
+
+/// Angle between the mean normals of two patches, radians: positive where they lie convex.
+fn lie(a: &Region, b: &Region) -> f64 {
+    let (n, m) = (a.normal.normalize_or_zero(), b.normal.normalize_or_zero());
+    let between = b.moment / b.area.max(1e-300) - a.moment / a.area.max(1e-300);
+    let angle = n.cross(m).length().atan2(n.dot(m));
+    if (m - n).dot(between) < 0.0 { -angle } else { angle }
 }
 
 /// Distance of the mean embeddings of two regions.
