@@ -3,6 +3,7 @@
 //! triangles. Units are metres, y points up, surfaces are closed and wound outwards.
 
 mod airplane;
+mod appliance;
 mod bearing;
 mod bed;
 mod bottle;
@@ -79,11 +80,13 @@ pub enum SynthKind {
     Toaster,
     /// Base, lid, handle, latches, wheels.
     Suitcase,
+    /// A safe, oven or washing machine: body, door, window, handles, knobs, hinges, feet.
+    Appliance,
 }
 
 impl SynthKind {
     /// Every kind.
-    pub const ALL: [SynthKind; 19] = [
+    pub const ALL: [SynthKind; 20] = [
         Self::Chair,
         Self::Table,
         Self::Knife,
@@ -103,6 +106,7 @@ impl SynthKind {
         Self::Bearing,
         Self::Toaster,
         Self::Suitcase,
+        Self::Appliance,
     ];
 
     /// Its name in lower case.
@@ -127,6 +131,7 @@ impl SynthKind {
             Self::Bearing => "bearing",
             Self::Toaster => "toaster",
             Self::Suitcase => "suitcase",
+            Self::Appliance => "appliance",
         }
     }
 }
@@ -289,6 +294,7 @@ fn parts(kind: SynthKind, seed: u64, detail: Detail) -> Vec<SynthPart> {
         SynthKind::Bearing => bearing::parts(&mut rng, detail),
         SynthKind::Toaster => toaster::parts(&mut rng, detail),
         SynthKind::Suitcase => suitcase::parts(&mut rng, detail),
+        SynthKind::Appliance => appliance::parts(&mut rng, detail),
     }
 }
 

@@ -94,6 +94,14 @@ impl Solid {
         self
     }
 
+    /// Both; neither is changed where they meet.
+    pub fn and(mut self, other: Solid) -> Self {
+        let base = self.positions.len() as u32;
+        self.positions.extend(other.positions);
+        self.triangles.extend(other.triangles.into_iter().map(|t| t.map(|v| v + base)));
+        self
+    }
+
     /// Moved.
     pub fn shifted(self, by: DVec3) -> Self {
         self.map(|p| p + by)

@@ -77,7 +77,8 @@ impl Folder {
         state: &State,
         is_best: bool,
     ) -> Result<(), TrainError> {
-        let mut store = SafetensorsStore::from_bytes(None);
+        // Of several entries the order would differ from run to run.
+        let mut store = SafetensorsStore::from_bytes(None).clear_metadata();
         model.save_into(&mut store).map_err(|e| fault(&self.0, e))?;
         let bytes = store.get_bytes().map_err(|e| fault(&self.0, e))?;
         self.write("model.safetensors", &bytes)?;

@@ -18,6 +18,7 @@ use super::folder::LabelledMesh;
 use super::procedural::stretch_parts;
 use super::structure::{Structure, scene};
 use super::trainer::TrainError;
+use super::weather::weather;
 use crate::contract::{Canceled, Run};
 use crate::device::Device;
 use crate::mesh;
@@ -247,7 +248,11 @@ pub fn procedural_mesh(
     let (object, structure) = if fused {
         // A body that was scanned or printed has no hard edges to be split at.
         let split = if structure == Structure::Soup { Structure::Soup } else { Structure::Solids };
-        (synth::fused(object, rng.random_range(2000..9000)), split)
+        let mut object = synth::fused(object, rng.random_range(2000..9000));
+        if let Some(body) = &mut object.fused {
+            weather(body, &mut rng);
+        }
+        (object, split)
     } else {
         (object, structure)
     };

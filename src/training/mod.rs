@@ -17,6 +17,7 @@ mod tests;
 mod trainer;
 mod union;
 mod validation;
+mod weather;
 
 pub use example::Example;
 pub use folder::{FolderError, LabelledMesh, load_folder, read as read_labelled};

@@ -60,7 +60,7 @@ fn features_have_their_shapes_and_do_not_depend_on_the_order() {
 fn weights_survive_a_file_and_the_wrong_size_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("w.safetensors");
-    let config = PointMaeConfig { depth: 2, taps: [1, 1, 2], ..ModelSize::Small.config() };
+    let config = PointMaeConfig { depth: 3, taps: [1, 2, 3], ..ModelSize::Small.config() };
     let device = Device::cpu();
     let model = PointMae::new(&config, 1, &device.burn());
     save(&model, &file, false).unwrap();
@@ -70,7 +70,7 @@ fn weights_survive_a_file_and_the_wrong_size_is_refused() {
     let read =
         |m: &PointMae| values(m.forward(&config, &seen, &asked, &device, &device.burn()).part);
     assert_eq!(read(&model), read(&other));
-    let deeper = PointMaeConfig { depth: 3, ..config };
+    let deeper = PointMaeConfig { depth: 4, ..config };
     let mut deeper_model = PointMae::new(&deeper, 1, &device.burn());
     let error = load(&mut deeper_model, &deeper, &file).unwrap_err();
     assert!(matches!(error, WeightsError::Unfit { .. }), "{error}");
@@ -167,9 +167,9 @@ fn a_published_checkpoint_is_read_by_its_names() {
     let file = dir.path().join("pretrain.pth");
     let config = PointMaeConfig {
         width: 24,
-        depth: 2,
+        depth: 3,
         heads: 2,
-        taps: [1, 2, 2],
+        taps: [1, 2, 3],
         embedding: [8, 12, 16],
         ..ModelSize::Paper.config()
     };
