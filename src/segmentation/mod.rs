@@ -5,6 +5,7 @@
 mod agglomerate;
 pub mod agreement;
 mod authored;
+pub mod borders;
 mod dual;
 mod error;
 pub mod fusion;

@@ -9,7 +9,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, cylinder, hollow, slab, tube};
+use super::outline::RoundedRectangle;
+use super::solid::{Detail, Rim, Solid, board, cylinder, hollow, slab, tube};
 
 /// An upright slab of half sizes `x` and `y` whose back stands on z = 0, with round corners.
 fn plate(x: f64, y: f64, thick: f64, corner: f64, detail: Detail) -> Solid {
@@ -153,7 +154,8 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let open = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.2..1.9) };
     let pin = DVec3::new(-size.x, 0.0, 0.0);
     let turn = DQuat::from_rotation_y(-open);
-    let place = middle.extend(half.z + 0.1 * wall);
+    // The door's edge stands in the body, so that it hangs on it however far it is open.
+    let place = middle.extend(half.z - 0.1 * wall);
     for (name, part) in swinging {
         let part = part.map(|p| turn * (p - pin) + pin).shifted(place);
         parts.push(SynthPart::new(name, part));

@@ -5,8 +5,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
+use super::outline::RoundedRectangle;
 use super::profile::{LEGS, marks, turned};
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, lathe, slab};
+use super::solid::{Detail, Rim, Solid, board, lathe, slab};
 
 /// A cushion of these half sizes, its middle raised by `puff`.
 fn cushion(half: DVec3, round: f64, puff: f64, detail: Detail) -> Solid {

@@ -6,8 +6,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
+use super::outline::squircle;
 use super::profile::{LEGS, marks, turned};
-use super::solid::{Detail, Rim, Solid, lathe, slab, squircle, tube};
+use super::solid::{Detail, Rim, Solid, lathe, slab, tube};
 
 const POST: &[(f64, f64)] =
     &[(0.80, 0.0), (1.0, 0.14), (0.72, 0.46), (0.88, 0.74), (0.66, 0.88), (0.96, 0.94), (0.5, 1.0)];

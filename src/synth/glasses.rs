@@ -7,7 +7,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, board, hoop, lathe, squircle, tube};
+use super::outline::squircle;
+use super::solid::{Detail, board, hoop, lathe, tube};
 
 pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let half = DVec2::new(rng.random_range(0.021..0.028), rng.random_range(0.015..0.022));

@@ -8,7 +8,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, cylinder, slab};
+use super::outline::RoundedRectangle;
+use super::solid::{Detail, Rim, Solid, board, cylinder, slab};
 
 /// A plate on y = 0 with round corners and a softened rim, of half sizes `x` and `z`.
 fn plate(x: f64, z: f64, thickness: f64, corner: f64, cells: [usize; 2]) -> Solid {

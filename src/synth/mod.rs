@@ -18,6 +18,7 @@ mod knife;
 mod lamp;
 mod laptop;
 mod mug;
+mod outline;
 mod profile;
 pub mod samples;
 mod scissors;

@@ -8,7 +8,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, Solid, board, cylinder, lathe, slab, squircle};
+use super::outline::squircle;
+use super::solid::{Detail, Rim, Solid, board, cylinder, lathe, slab};
 
 /// Share of the half length at which the rounded, upturned ends begin.
 const END: f64 = 0.66;

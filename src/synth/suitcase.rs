@@ -7,7 +7,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, RoundedRectangle, board, cylinder, slab, tube};
+use super::outline::RoundedRectangle;
+use super::solid::{Detail, Rim, board, cylinder, slab, tube};
 
 pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let half = DVec3::new(

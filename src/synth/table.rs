@@ -7,8 +7,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
+use super::outline::{RoundedRectangle, squircle};
 use super::profile::{LEGS, marks, turned};
-use super::solid::{Detail, Rim, RoundedRectangle, Solid, board, lathe, slab, squircle};
+use super::solid::{Detail, Rim, Solid, board, lathe, slab};
 
 /// A square leg from the floor to `height`, tapering below the apron, its edges rounded.
 fn tapered(half: f64, height: f64, apron: f64, detail: Detail) -> Solid {

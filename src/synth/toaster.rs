@@ -5,7 +5,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::SynthPart;
-use super::solid::{Detail, Rim, RoundedRectangle, board, cylinder, slab};
+use super::outline::RoundedRectangle;
+use super::solid::{Detail, Rim, board, cylinder, slab};
 
 pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let half = DVec3::new(
