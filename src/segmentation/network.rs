@@ -75,3 +75,25 @@ pub fn network(device: &Device) -> Result<Arc<Network>, SegmentationError> {
     loaded.insert(device.name(), network.clone());
     Ok(network)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sha2::{Digest, Sha256};
+
+    #[test]
+    fn the_card_tells_the_weights_checksum_and_they_are_small() {
+        let card = include_str!("../../weights/README.md");
+        let digest: String = Sha256::digest(SHIPPED).iter().map(|b| format!("{b:02x}")).collect();
+        assert!(card.contains(&digest), "the checksum is {digest}");
+        assert!(SHIPPED.len() < 12_000_000, "{} bytes", SHIPPED.len());
+    }
+
+    #[test]
+    fn what_ships_is_whole() {
+        let network = network(&Device::cpu()).unwrap();
+        let again = self::network(&Device::cpu()).unwrap();
+        assert!(Arc::ptr_eq(&network, &again), "loaded once");
+        assert!(network.judge.is_trained());
+    }
+}

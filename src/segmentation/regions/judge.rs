@@ -61,6 +61,12 @@ impl Judge {
         Self([of(&head.first), of(&head.second), of(&head.third)])
     }
 
+    /// Whether it has learned anything: biases are drawn as 0.
+    #[cfg(test)]
+    pub fn is_trained(&self) -> bool {
+        self.0.iter().all(|layer| layer.bias.iter().any(|b| *b != 0.0))
+    }
+
     /// Probability that the two regions are of different parts.
     pub fn boundary(&self, features: &[f32; FEATURES], heard: Heard) -> f64 {
         let mut masked = *features;
