@@ -14,6 +14,9 @@ use crate::sampling::PointCloud;
 /// A part ends where that is at least as likely.
 pub const CUT: f64 = 0.5;
 
+/// Widths of a patch within which a border may move.
+const REACH: f64 = 1.2;
+
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
@@ -39,12 +42,18 @@ pub fn fuse(
     for (p, &part) in (0u32..).zip(&of_patch).filter(|(p, _)| graph.region(*p).is_some()) {
         stands[part as usize] = p;
     }
-    // Between shells the file has drawn the line already.
+    // Patches have ragged rims: about as far as one reaches, the line may be drawn anew, the more freely
+    // the nearer. Between shells the file has drawn it already.
+    let faces_of_patch = surface.face_count() as f64 / of_patch.len().max(1) as f64;
+    let rings = (REACH * faces_of_patch.sqrt()).round().clamp(2.0, 8.0) as u8;
     let shell = |h: u32| surface.origins[h as usize / 3].shell;
-    let open = near_borders(surface, &label, |h| shell(h) == shell(surface.twin[h as usize]));
-    let fixed = label.iter().zip(&open).map(|(&l, &open)| if open { -1 } else { l }).collect();
-    let vote = |&f: &u32| if open[f as usize] { label[f as usize] } else { -1 };
+    let same_shell = |h: u32| shell(h) == shell(surface.twin[h as usize]);
+    let ring = near_borders(surface, &label, rings, same_shell);
+    let fixed = label.iter().zip(&ring).map(|(&l, &r)| if r > 0 { -1 } else { l }).collect();
+    let vote = |&f: &u32| if ring[f as usize] > 0 { label[f as usize] } else { -1 };
     let votes = cloud.faces.iter().map(vote).collect();
+    let weight = |&f: &u32| f32::from(ring[f as usize]) / f32::from(rings);
+    let weights = cloud.faces.iter().map(weight).collect();
     let candidate = |&p: &u32| {
         let found = candidate(&graph, p, judge, heard);
         let name = given_name(surface, &graph, p).unwrap_or(found.name);
@@ -55,7 +64,7 @@ pub fn fuse(
         label[c.faces.0 as usize] == label[c.faces.1 as usize]
     };
     let bridges = contacts.iter().filter(joined).map(|c| c.faces).collect();
-    Ok(PartScores { candidates, fixed, votes, weights: vec![1.0; cloud.len()], bridges })
+    Ok(PartScores { candidates, fixed, votes, weights, bridges })
 }
 
 /// The name of the node that a part lies in, where the file has several.

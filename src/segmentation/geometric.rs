@@ -17,7 +17,7 @@ const FACES: usize = 60;
 const PARTS: usize = 64;
 
 /// Faces this many steps from another region are open to the cut.
-const RINGS: usize = 2;
+const RINGS: u8 = 2;
 
 /// Regions between valleys, in every body of the surface.
 pub struct Geometric;
@@ -86,7 +86,8 @@ fn refine(
             }
         }
     }
-    let open = near_borders(surface, &region, |_| true);
+    let open: Vec<bool> =
+        near_borders(surface, &region, RINGS, |_| true).into_iter().map(|r| r > 0).collect();
     for (f, &r) in region.iter().enumerate().filter(|(_, r)| **r >= 0) {
         scores.fixed[f] = if open[f] { -1 } else { r };
     }
@@ -97,34 +98,35 @@ fn refine(
     Ok(scores)
 }
 
-/// The faces within [`RINGS`] steps of a border between two regions that may be moved: `free` is asked
-/// for its half-edges.
+/// How many steps each face is from a border between two regions that may be moved, 1 at the border, 0
+/// beyond `rings` steps. `free` is asked for the border's half-edges.
 pub(super) fn near_borders(
     surface: &Surface,
     region: &[i32],
+    rings: u8,
     free: impl Fn(u32) -> bool,
-) -> Vec<bool> {
+) -> Vec<u8> {
     let across = |f: u32| {
         let edges = (3 * f..3 * f + 3).filter(|&h| surface.twin[h as usize] != NONE && free(h));
         edges.map(|h| surface.twin[h as usize] / 3)
     };
-    let mut open = vec![false; region.len()];
+    let mut ring = vec![0; region.len()];
     let mut front: Vec<u32> = (0..region.len() as u32)
         .filter(|&f| {
             let own = region[f as usize];
             own >= 0 && across(f).any(|g| region[g as usize] >= 0 && region[g as usize] != own)
         })
         .collect();
-    front.iter().for_each(|&f| open[f as usize] = true);
-    for _ in 1..RINGS {
+    front.iter().for_each(|&f| ring[f as usize] = 1);
+    for step in 2..=rings {
         let mut next = Vec::new();
         for g in front.iter().flat_map(|&f| across(f)) {
-            if region[g as usize] >= 0 && !open[g as usize] {
-                open[g as usize] = true;
+            if region[g as usize] >= 0 && ring[g as usize] == 0 {
+                ring[g as usize] = step;
                 next.push(g);
             }
         }
         front = next;
     }
-    open
+    ring
 }
