@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::contract::Run;
 use crate::device::{DeviceChoice, choose};
 use crate::segmentation::Network;
-use crate::segmentation::point_mae::{ModelSize, PointMae, load};
+use crate::segmentation::point_mae::{ModelSize, PointMae, load, save};
 use crate::synth::SynthKind;
 use crate::training::{self, Data, Event, Recipe, Task};
 
@@ -89,7 +89,7 @@ fn joins(args: Joins) -> Result<()> {
     let head = training::train_joins(&known, args.seed, &device, &run, |round, pairs, loss| {
         eprintln!("round {}: {pairs} pairs, loss {loss:.4}", round + 1);
     })?;
-    training::save_whole(&network.model, head, &args.output)?;
+    save(&PointMae { pairs: head, ..network.model }, &args.output, true)?;
     eprintln!("written to {}", args.output.display());
     Ok(())
 }

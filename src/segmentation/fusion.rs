@@ -4,7 +4,6 @@
 
 use super::geometric::near_borders;
 use super::point_mae::NAMES;
-use super::regions::graph::Region;
 use super::regions::{Evidence, Heard, Judge, Prepared, RegionGraph, agglomerate, features};
 use super::{Candidate, PartScores};
 use crate::contract::{Canceled, Run, SegmentationSource};
@@ -20,20 +19,20 @@ const REACH: f64 = 1.2;
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
-/// Parts of a surface by the judge, hearing only what is to be heard, cut at a probability.
+/// Parts of a surface by the judge, hearing only what is to be heard.
 pub fn fuse(
     surface: &Surface,
     cloud: &PointCloud,
     evidence: &Evidence,
     judge: &Judge,
-    (heard, cut): (Heard, f64),
+    heard: Heard,
     run: &Run,
 ) -> Result<PartScores, Canceled> {
     let Prepared { patch, mut graph, contacts } =
         super::regions::prepare(surface, cloud, evidence, None, run)?;
-    let boundary = |_: &RegionGraph, _: &Region, _: &Region, _: &_, x: &_| judge.boundary(x, heard);
-    let tree = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
-    let of_patch = tree.cut(cut);
+    let boundary = |x: &_| judge.boundary(x, heard);
+    let tree = agglomerate(&mut graph, &boundary, CUT, run, |_, _, _, _| true)?;
+    let of_patch = tree.cut(CUT);
     let label: Vec<i32> =
         patch.iter().map(|&p| if p == NONE { -1 } else { of_patch[p as usize] as i32 }).collect();
     // The region that is left of each part stands at one of its patches.

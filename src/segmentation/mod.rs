@@ -59,7 +59,7 @@ pub fn segment(
     let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
         let network = network(device)?;
         let evidence = gather(surface, cloud, Some(&network), run)?;
-        Ok(fuse(surface, cloud, &evidence, &network.judge, (heard, fusion::CUT), run)?)
+        Ok(fuse(surface, cloud, &evidence, &network.judge, heard, run)?)
     };
     let scores = match source {
         SegmentationSource::Labels => given::Given.segment(surface, cloud, run)?,

@@ -25,7 +25,7 @@ pub struct State {
     pub scores: Vec<(u32, Score)>,
     /// The best score's mIoU (pre-training: minus the loss).
     pub best: Option<f64>,
-    /// Seconds of all sessions.
+    /// Seconds, over all the times it was taken up.
     pub seconds: f64,
 }
 

@@ -1,7 +1,6 @@
 //! One training example: points on an object, what part each is of, what that part is called.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
@@ -97,12 +96,4 @@ impl Example {
     pub fn is_empty(&self) -> bool {
         self.part.is_empty()
     }
-}
-
-/// Make examples in parallel, in order.
-pub fn in_parallel<T: Sync>(
-    from: &[T],
-    make: impl Fn(&T) -> Result<Example, Canceled> + Sync + Send,
-) -> Result<Vec<Example>, Canceled> {
-    from.par_iter().map(make).collect()
 }

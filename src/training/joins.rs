@@ -4,7 +4,6 @@
 //! learning" of agglomeration). After each round the judge is trained on all rounds' examples.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use burn::module::Module;
 use burn::optim::{AdamWConfig, GradientsParams};
@@ -15,21 +14,16 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::folder::LabelledMesh;
-use super::procedural::stretch_parts;
-use super::structure::{Structure, scene};
 use super::trainer::TrainError;
-use super::weather::weather;
 use crate::contract::{Canceled, Run};
 use crate::device::Device;
-use crate::mesh;
-use crate::sampling::{SampleCounts, sample};
+use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::Network;
 use crate::segmentation::fusion::CUT;
-use crate::segmentation::point_mae::{PairHead, PointMae};
+use crate::segmentation::point_mae::PairHead;
 use crate::segmentation::regions::{
-    Evidence, FEATURES, Heard, Judge, RegionGraph, agglomerate, features::features, gather, prepare,
+    Evidence, FEATURES, Heard, Judge, agglomerate, features::features, gather, prepare,
 };
-use crate::synth::{self, SynthKind};
 
 /// Rounds of agglomeration and training.
 const ROUNDS: usize = 3;
@@ -53,7 +47,7 @@ const GROWN: f64 = 1.5;
 pub struct Known {
     mesh: LabelledMesh,
     evidence: Evidence,
-    cloud: crate::sampling::PointCloud,
+    cloud: PointCloud,
 }
 
 /// A pair that was judged.
@@ -123,9 +117,10 @@ fn judged(
     // A pair that was refused comes up again whenever one of the two grows; it counts again once the
     // smaller has grown by half.
     let mut refused: HashMap<(u32, u32), f64> = HashMap::new();
+    // Before there is a judge: steps of the embedding, bays, shells, and small borders last.
     let first =
         |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[16] + x[5]) + 0.1 * f64::from(x[20]);
-    let boundary = |_: &RegionGraph, _: &_, _: &_, _: &_, x: &[f32; FEATURES]| match judge {
+    let boundary = |x: &[f32; FEATURES]| match judge {
         Some(judge) => judge.boundary(x, Heard::ALL),
         None => first(x),
     };
@@ -206,72 +201,4 @@ fn fit(
         head = optimizer.step(rate.max(1e-5), head, gradients);
     }
     Ok((head, recent))
-}
-
-/// Labelled meshes of folders, without the held-out families if those are to be spared.
-pub fn meshes_of(
-    folders: &[std::path::PathBuf],
-    licences: &[String],
-    spare: impl Fn(&str) -> bool + Sync,
-    run: &Run,
-) -> Result<Vec<LabelledMesh>, TrainError> {
-    let mut all = Vec::new();
-    for folder in folders {
-        let files = super::folder::meshes(folder)?;
-        let one = |file: &std::path::PathBuf| -> Result<Option<LabelledMesh>, TrainError> {
-            if !super::folder::is_allowed(file, licences)? {
-                return Ok(None);
-            }
-            let mesh = super::folder::read(file, run)?;
-            Ok((!spare(&mesh.family)).then_some(mesh))
-        };
-        let read: Result<Vec<Option<LabelledMesh>>, TrainError> =
-            files.par_iter().map(one).collect();
-        all.extend(read?.into_iter().flatten());
-    }
-    Ok(all)
-}
-
-/// A procedural object as a labelled mesh: its parts joined to one body where `fused`, standing in the
-/// file in one of the ways that there are.
-pub fn procedural_mesh(
-    kind: SynthKind,
-    seed: u64,
-    fused: bool,
-    run: &Run,
-) -> Result<LabelledMesh, TrainError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let stretch = std::array::from_fn(|_| 1.35_f64.powf(rng.random_range(-1.0..1.0)));
-    let mut object = synth::embellished(kind, seed);
-    stretch_parts(&mut object, stretch.into());
-    let structure = Structure::ALL[rng.random_range(0..Structure::ALL.len())];
-    let (object, structure) = if fused {
-        // A body that was scanned or printed has no hard edges to be split at.
-        let split = if structure == Structure::Soup { Structure::Soup } else { Structure::Solids };
-        let mut object = synth::fused(object, rng.random_range(2000..9000));
-        if let Some(body) = &mut object.fused {
-            weather(body, &mut rng);
-        }
-        (object, split)
-    } else {
-        (object, structure)
-    };
-    let surface = mesh::condition(&scene(&object, structure), run)?;
-    let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
-    let id = format!("{}_{seed}", kind.as_str());
-    Ok(LabelledMesh {
-        family: id.clone(),
-        id,
-        category: kind.as_str().to_owned(),
-        source: "procedural".to_owned(),
-        surface,
-        names: vec![-1; parts.len()],
-        parts,
-    })
-}
-
-/// Where a trained network with its judge is written.
-pub fn save_whole(model: &PointMae, head: PairHead, file: &Path) -> Result<(), TrainError> {
-    let whole = PointMae { pairs: head, ..model.clone() };
-    Ok(crate::segmentation::point_mae::save(&whole, file, true)?)
 }

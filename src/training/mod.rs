@@ -1,12 +1,13 @@
-//! Training of the segmentation network: examples from procedural objects (`procedural`), from our own
-//! labelled folders (`folder`) and from published sets (`partnet`, `shapenet`); pre-training without
-//! labels and fine-tuning with them (`trainer`), resumable, with loss curves.
+//! Training of the segmentation network: examples from procedural objects (`procedural`) and from our own
+//! labelled folders (`folder`); pre-training without labels and fine-tuning with them (`trainer`),
+//! resumable, with loss curves; the judge of joins (`joins`), from labelled meshes (`labelled`).
 
 mod augment;
 mod checkpoint;
 mod example;
 mod folder;
 mod joins;
+mod labelled;
 mod loss;
 mod names;
 mod procedural;
@@ -21,7 +22,8 @@ mod weather;
 
 pub use example::Example;
 pub use folder::{FolderError, LabelledMesh, load_folder, read as read_labelled};
-pub use joins::{Known, know, meshes_of, procedural_mesh, save_whole, train_joins};
+pub use joins::{Known, know, train_joins};
+pub use labelled::{meshes_of, procedural_mesh};
 pub use names::name_index;
 pub use procedural::{ProceduralStyle, example as procedural_example};
 pub use recipe::{Data, Recipe, Task};

@@ -16,7 +16,7 @@ use crate::sampling::{self, SampleCounts};
 use crate::synth::{self, SynthKind, SynthObject};
 
 /// Most that an axis is stretched or squeezed.
-const STRETCH: f64 = 1.35;
+pub const STRETCH: f64 = 1.35;
 
 /// Which object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl ProceduralStyle {
     }
 }
 
-/// The example of an object. Objects of odd draw are one body: points inside other parts are gone.
+/// The example of an object. Three in five are one body: points inside other parts are gone.
 pub fn example(style: ProceduralStyle, run: &Run) -> Result<Example, Canceled> {
     let mut rng = ChaCha8Rng::seed_from_u64(style.seed ^ 0x5eed_0000_0000_0000);
     let fused = rng.random_bool(0.6);

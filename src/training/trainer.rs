@@ -10,10 +10,11 @@ use burn::optim::{AdamWConfig, GradientsParams, ModuleOptimizer};
 use burn::tensor::Tensor;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::augment::{View, augmented};
 use super::checkpoint::{Folder, State};
-use super::example::{Example, in_parallel};
+use super::example::Example;
 use super::folder::{FolderError, load_folder};
 use super::loss::{Targets, loss};
 use super::procedural::{ProceduralStyle, example};
@@ -65,7 +66,7 @@ pub struct Report {
     pub loss: f64,
     /// The last score, of fine-tuning with held-out families.
     pub score: Option<Score>,
-    /// Seconds, over all sessions.
+    /// Seconds, over all the times it was taken up.
     pub seconds: f64,
 }
 
@@ -127,7 +128,9 @@ pub fn train(
 fn gather(recipe: &Recipe, run: &Run) -> Result<Examples, TrainError> {
     let data = &recipe.data;
     let styles = ProceduralStyle::series(data.procedural, recipe.seed << 32);
-    let mut procedural = in_parallel(&styles, |style| example(*style, run))?;
+    let made: Result<Vec<Example>, Canceled> =
+        styles.par_iter().map(|style| example(*style, run)).collect();
+    let mut procedural = made?;
     let (mut real, mut left_out) = (Vec::new(), 0);
     for folder in &data.folders {
         let (examples, left) = load_folder(folder, &data.licences, recipe.seed, run)?;

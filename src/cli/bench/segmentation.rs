@@ -18,7 +18,7 @@ use crate::mesh::Surface;
 use crate::sampling::{SampleCounts, sample};
 use crate::segmentation::agreement::{Agreement, agreement};
 use crate::segmentation::borders::border_agreement;
-use crate::segmentation::fusion::{CUT, fuse};
+use crate::segmentation::fusion::fuse;
 use crate::segmentation::regions::{Heard, gather};
 use crate::segmentation::{self, Network, PartLabels, network};
 use crate::synth::SynthKind;
@@ -123,7 +123,7 @@ fn object(file: &Path, network: &Network, seeds: &[u64]) -> Result<Row> {
         let cloud = sample(surface, SampleCounts::dense(surface.face_count()), seed, &run)?;
         let evidence = gather(surface, &cloud, Some(network), &run)?;
         let fused = |heard| -> Result<Vec<i32>> {
-            let scores = fuse(surface, &cloud, &evidence, &network.judge, (heard, CUT), &run)?;
+            let scores = fuse(surface, &cloud, &evidence, &network.judge, heard, &run)?;
             Ok(labels(&segmentation::settle(surface, &cloud, &scores, &run)?))
         };
         let auto = fused(Heard::ALL)?;

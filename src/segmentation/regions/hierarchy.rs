@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::features::{FEATURES, features};
-use super::graph::{Border, Region, RegionGraph};
+use super::graph::RegionGraph;
 use crate::contract::{Canceled, Run};
 use crate::mesh::DisjointSets;
 
@@ -52,9 +52,8 @@ impl PartialOrd for Pair {
     }
 }
 
-/// Says how likely a part ends between two regions.
-pub type Boundary<'a> =
-    dyn Fn(&RegionGraph, &Region, &Region, &Border, &[f32; FEATURES]) -> f64 + 'a;
+/// Says how likely a part ends between two regions, from their features.
+pub type Boundary<'a> = dyn Fn(&[f32; FEATURES]) -> f64 + 'a;
 
 /// Join everything that touches and whose boundary is no likelier than `until`. `allowed` is asked
 /// before every join, with its features.
@@ -70,7 +69,7 @@ pub fn agglomerate(
         let border = graph.borders[a as usize].get(&b)?;
         let (r, s) = (graph.region(a)?, graph.region(b)?);
         let x = features(graph, r, s, border);
-        Some((boundary(graph, r, s, border, &x), x))
+        Some((boundary(&x), x))
     };
     let mut heap = BinaryHeap::new();
     for a in 0..patches as u32 {
