@@ -18,6 +18,7 @@ use uvsegnet::metrics::{self, Measured, MeasuredFigures};
 use uvsegnet::parameterization::{self, TrainChart, TrainOptions, TrainedChart};
 use uvsegnet::preview;
 use uvsegnet::sampling::{self, PointCloud, SampleCounts};
+use uvsegnet::segmentation::fusion::CUT;
 use uvsegnet::segmentation::{self, PartLabels};
 
 const SAMPLES: [&str; 5] = ["chair", "chair_small", "table", "laptop", "skateboard"];
@@ -122,7 +123,7 @@ fn sample(surface: &Surface) -> PointCloud {
 
 fn segment(surface: &Surface, cloud: &PointCloud) -> PartLabels {
     let source = UnwrapOptions::default().segmentation;
-    segmentation::segment(surface, cloud, source, &Device::cpu(), &Run::quiet())
+    segmentation::segment(surface, cloud, source, CUT, &Device::cpu(), &Run::quiet())
         .expect("samples have parts")
 }
 

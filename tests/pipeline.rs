@@ -136,7 +136,20 @@ fn a_job_may_end_with_its_parts() {
     let labels = std::str::from_utf8(result.artifact("labels.txt").unwrap()).unwrap();
     let faces: u64 = result.metrics.parts.iter().map(|p| p.faces).sum();
     assert_eq!(labels.lines().count() as u64, faces);
-    assert!(result.metrics.parts.len() > 3 && result.artifact("model.glb").is_none());
+    assert!(result.metrics.parts.len() > 3);
+    // The model tells the parts, and given back, they are its labels.
+    let model = result.artifact("model.glb").unwrap();
+    let document = gltf::Gltf::from_slice(model).unwrap().document.into_json();
+    let extras: serde_json::Value =
+        serde_json::from_str(document.asset.extras.as_ref().unwrap().get()).unwrap();
+    let told = extras["uvsegnet"]["parts"].as_array().unwrap();
+    assert_eq!(told.len(), result.metrics.parts.len());
+    assert_eq!(told[0]["name"], result.metrics.parts[0].name);
+    let options = UnwrapOptions { segmentation: SegmentationSource::Labels, ..options };
+    let again = unwrap(model, None, &options).unwrap();
+    assert!(again.metrics.parts.iter().all(|p| p.source == "labels"));
+    assert_eq!(again.metrics.parts.len(), result.metrics.parts.len());
+    assert_eq!(result.artifacts().len(), 4);
 }
 
 /// A cube whose every face stands twice, with both windings.

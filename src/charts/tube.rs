@@ -14,7 +14,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::cost::edge_cost;
 use super::part_mesh::PartMesh;
 use super::patchwork::next;
-use crate::mesh::NONE;
+use crate::mesh::{NONE, least_eigenvector};
 
 /// Lateral faces have |n·a| below this.
 const LATERAL: f64 = 0.5;
@@ -119,45 +119,6 @@ fn axis(mesh: &PartMesh) -> Option<DVec3> {
         }
     }
     axis.is_finite().then_some(axis)
-}
-
-/// Unit eigenvector of the least eigenvalue of a symmetric matrix, by cyclic Jacobi rotations.
-fn least_eigenvector(m: DMat3) -> DVec3 {
-    let mut a = m.to_cols_array_2d();
-    let mut v = DMat3::IDENTITY.to_cols_array_2d();
-    for _ in 0..24 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q].abs() < 1e-300 {
-                continue;
-            }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let t = if theta == 0.0 { 1.0 } else { t };
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            for k in 0..3 {
-                let (x, y) = (a[k][p], a[k][q]);
-                a[k][p] = c * x - s * y;
-                a[k][q] = s * x + c * y;
-            }
-            for k in 0..3 {
-                let (x, y) = (a[p][k], a[q][k]);
-                a[p][k] = c * x - s * y;
-                a[q][k] = s * x + c * y;
-            }
-            for row in &mut v {
-                let (x, y) = (row[p], row[q]);
-                row[p] = c * x - s * y;
-                row[q] = s * x + c * y;
-            }
-        }
-    }
-    let least = (0..3).min_by(|&i, &j| a[i][i].total_cmp(&a[j][j])).unwrap_or(0);
-    let e = DVec3::new(v[0][least], v[1][least], v[2][least]).normalize_or_zero();
-    // One of the two directions, always the same.
-    let largest =
-        [e.x, e.y, e.z].into_iter().fold(0.0, |b: f64, x| if x.abs() > b.abs() { x } else { b });
-    if largest < 0.0 { -e } else { e }
 }
 
 /// Centre, radius at `low` and taper by least squares: four unknowns, normal equations.

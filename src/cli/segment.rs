@@ -1,4 +1,4 @@
-//! `uvsegnet segment`: the parts of one file, one label a face.
+//! `uvsegnet segment`: the parts of one file, as text, as a model, or as a picture.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use super::input::Files;
 use super::progress_bar;
 use super::weights::Weights;
-use crate::contract::{Limits, Seed, SegmentationSource, UnwrapOptions};
+use crate::contract::{Limits, Seed, SegmentationSource, StopAfter, UnwrapOptions};
 use crate::device::{DeviceChoice, choose};
 use crate::pipeline;
 
@@ -16,12 +16,21 @@ use crate::pipeline;
 pub struct Args {
     /// The mesh: GLB, glTF with data URIs, or OBJ.
     pub input: PathBuf,
-    /// Where the labels go: one integer a line, line i for face i, −1 for a face without area.
+    /// Where the parts go, by its ending: X.glb is the model with the part of each face in `_PART` and
+    /// names and confidences in its extras; X.json the metrics; X.png a picture; anything else text,
+    /// one integer a line, line i for face i, −1 for a face without area.
     #[arg(short, long)]
     pub output: PathBuf,
     /// Where the parts come from.
     #[arg(long, value_enum, default_value_t)]
     pub segmentation: SegmentationSource,
+    /// Neighbouring regions are one part if the probability that a part ends between them is at most
+    /// this, 0 to 1: lower gives more parts.
+    #[arg(long, default_value_t = UnwrapOptions::default().part_boundary)]
+    pub part_boundary: f64,
+    /// MiB of memory it may use.
+    #[arg(long, default_value_t = 8192)]
+    pub budget_mib: u64,
     /// Labels that are known already.
     #[arg(long)]
     pub labels: Option<PathBuf>,
@@ -41,17 +50,29 @@ pub fn run(args: Args) -> Result<()> {
     args.weights.apply();
     let device = choose(&args.device)?;
     let files = Files::read(&args.input, args.labels.as_deref())?;
-    let options =
-        UnwrapOptions { segmentation: args.segmentation, seed: args.seed, ..Default::default() };
+    let options = UnwrapOptions {
+        segmentation: args.segmentation,
+        seed: args.seed,
+        part_boundary: args.part_boundary,
+        budget_mib: args.budget_mib,
+        stop_after: Some(StopAfter::Segmentation),
+        ..Default::default()
+    };
+    let wanted = match args.output.extension().and_then(|e| e.to_str()) {
+        Some("glb") => "model.glb",
+        Some("json") => "metrics.json",
+        Some("png") => "preview.png",
+        _ => "labels.txt",
+    };
     let (run, bar) = progress_bar::run(&options);
     let result =
-        pipeline::segment_input(&files.input(), &options, &Limits::default(), &device, &run);
+        pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &device, &run);
     bar.finish_and_clear();
-    let parts = result?;
-    let text = parts.to_text();
-    std::fs::write(&args.output, text)
+    let result = result?;
+    let bytes = result.artifact(wanted).context("the result lacks a file")?;
+    std::fs::write(&args.output, bytes)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
-    for part in &parts.parts {
+    for part in &result.metrics.parts {
         eprintln!(
             "{:>5}  {}  ({}, confidence {:.2})",
             part.id, part.name, part.source, part.confidence

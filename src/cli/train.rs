@@ -52,6 +52,9 @@ struct Joins {
     /// Beginnings of the licences under which objects of the folders may be used.
     #[arg(long = "licence", default_values_t = ["MIT".to_owned(), "CC-BY-4.0".to_owned(), "CC0".to_owned()])]
     licences: Vec<String>,
+    /// Use objects of any licence. Weights trained so may not be passed on.
+    #[arg(long, conflicts_with = "licences")]
+    any_licence: bool,
     /// Per cent of the families that are held out, as in the network's own training.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=90))]
     held_out_percent: u32,
@@ -70,7 +73,13 @@ fn joins(args: Joins) -> Result<()> {
     let mut model = PointMae::new(&config, args.seed, &device.burn());
     load(&mut model, &config, &args.weights)?;
     let spare = |family: &str| training::held_out(family, args.seed, args.held_out_percent);
-    let mut meshes = training::meshes_of(&args.folders, &args.licences, spare, &run)?;
+    let licences = if args.any_licence { Vec::new() } else { args.licences };
+    let (mut meshes, mut left_out) = (Vec::new(), 0);
+    for folder in &args.folders {
+        let (own, left) = training::load_meshes(folder, &licences, spare, &run)?;
+        meshes.extend(own);
+        left_out += left;
+    }
     let real = meshes.len();
     let made: Vec<(SynthKind, u64)> = SynthKind::ALL
         .into_iter()
@@ -83,7 +92,10 @@ fn joins(args: Joins) -> Result<()> {
     };
     let procedural: Result<Vec<_>, _> = made.par_iter().map(make).collect();
     meshes.extend(procedural?);
-    eprintln!("{} objects, {real} of them real", meshes.len());
+    eprintln!(
+        "{} objects, {real} of them real; {left_out} left out for their licence",
+        meshes.len()
+    );
     let network = Network::new(model, config, &device);
     let known = training::know(meshes, &network, args.seed, &run)?;
     let head = training::train_joins(&known, args.seed, &device, &run, |round, pairs, loss| {
@@ -100,7 +112,9 @@ struct How {
     /// Folder of the run: checkpoints, weights, curves. A run that stands there is taken up again.
     #[arg(short, long)]
     output: PathBuf,
-    /// Folders with labelled meshes: X.obj or X.glb, X.labels.txt or X.inst.txt, X.parts.json.
+    /// Folders to learn from: labelled meshes (X.obj or X.glb, X.labels.txt or X.inst.txt,
+    /// X.parts.json), PartNet's hierarchies (ID/result_after_merging.json) or point sets (Chair/*.h5), or
+    /// ShapeNet-part (synsetoffset2category.txt).
     #[arg(long = "data")]
     folders: Vec<PathBuf>,
     /// Procedural objects to learn from.

@@ -225,6 +225,17 @@ pub struct PartMetrics {
     pub figures: Figures,
 }
 
+/// Two parts that would be joined next: the hierarchy above the parts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PartJoin {
+    /// One of them; it stands for all that it was joined with before.
+    pub a: u32,
+    /// The other.
+    pub b: u32,
+    /// How likely a part ends between them, 0 to 1. A later join may be more certain than an earlier one.
+    pub boundary: f64,
+}
+
 /// How a chart's map was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -372,6 +383,8 @@ pub struct Metrics {
     pub atlas: AtlasMetrics,
     /// The parts.
     pub parts: Vec<PartMetrics>,
+    /// Which parts would be joined next, in order; empty where the source of the parts has no hierarchy.
+    pub part_joins: Vec<PartJoin>,
     /// The charts.
     pub charts: Vec<ChartMetrics>,
     /// What was repaired.

@@ -59,6 +59,11 @@ pub struct UnwrapOptions {
     /// parts as in metrics.json, factors from 0.01 to 100.
     #[arg(long)]
     pub density: Option<String>,
+    /// Neighbouring regions are one part if the probability that a part ends between them is at most
+    /// this, 0 to 1: lower gives more parts.
+    #[arg(long, default_value_t = 0.3)]
+    #[schema(minimum = 0.0, maximum = 1.0)]
+    pub part_boundary: f64,
     /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1.
     #[arg(long, default_value_t = 0.01)]
     #[schema(exclusive_minimum = 0.0)]
@@ -114,6 +119,7 @@ impl Default for UnwrapOptions {
             pages: 1,
             udim: false,
             density: None,
+            part_boundary: 0.3,
             distortion_bound: 0.01,
             max_charts: None,
             quality: Default::default(),
@@ -204,6 +210,8 @@ impl UnwrapOptions {
             check("density", false, &want, format!("{text:?}"));
         }
         check("padding", self.padding <= 64, "from 0 to 64", self.padding.to_string());
+        let share = (0.0..=1.0).contains(&self.part_boundary);
+        check("part_boundary", share, "0 to 1", self.part_boundary.to_string());
         let bound = positive(self.distortion_bound);
         check("distortion_bound", bound, "above 0", self.distortion_bound.to_string());
         let most = self.max_charts.is_none_or(|n| n >= 1);

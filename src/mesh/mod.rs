@@ -12,6 +12,7 @@ mod pairing;
 pub mod rays;
 mod scene;
 mod surface;
+mod symmetric;
 mod weld;
 
 pub use condition::condition;
@@ -20,3 +21,4 @@ pub use import::{ImportError, import};
 pub use maxflow::Flow;
 pub use scene::{Document, Primitive, Scene};
 pub use surface::{CREASE, FaceOrigin, NONE, Surface};
+pub use symmetric::{least_eigenvalue, least_eigenvector};

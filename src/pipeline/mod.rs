@@ -24,7 +24,6 @@ pub use result::{Artifact, Unwrapped};
 use crate::contract::{Limits, MeshKind, Run, Stage, StopAfter, UnwrapOptions};
 use crate::device::Device;
 use crate::mesh::{self, Scene};
-use crate::segmentation::PartLabels;
 use clock::Clock;
 use finish::Finished;
 
@@ -62,19 +61,6 @@ pub fn unwrap(
     unwrap_scene(scene, options, device, run, Clock::new())
 }
 
-/// Import and find the parts: one part a face.
-pub fn segment_input(
-    input: &Input,
-    options: &UnwrapOptions,
-    limits: &Limits,
-    device: &Device,
-    run: &Run,
-) -> Result<PartLabels, UnwrapError> {
-    let mut clock = Clock::new();
-    let scene = import(input, limits, run, &mut clock)?;
-    Ok(parts::find(&scene, options, device, run, &mut clock)?.parts)
-}
-
 fn import(
     input: &Input,
     limits: &Limits,
@@ -103,7 +89,7 @@ fn unwrap_scene(
     parts::check_memory(scene, options)?;
     let found = parts::find(scene, options, device, run, &mut clock)?;
     if options.stop_after == Some(StopAfter::Segmentation) {
-        return report::segmentation_only(&found, device, run, clock);
+        return report::segmentation_only(scene, &found, device, run, clock);
     }
     let charting::Cut { charts, joint_seams } =
         charting::charts(&found, options, device, run, &mut clock)?;

@@ -63,7 +63,14 @@ pub fn find(
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
     clock.stage(Stage::Segment, run)?;
-    let parts = segmentation::segment(&surface, &cloud, options.segmentation, device, run)?;
+    let parts = segmentation::segment(
+        &surface,
+        &cloud,
+        options.segmentation,
+        options.part_boundary,
+        device,
+        run,
+    )?;
     let weights = weights(&parts.parts, options)?;
     let sources = match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),

@@ -109,6 +109,7 @@ mod tests {
             parts: PartLabels {
                 labels: (0..800).map(label).collect(),
                 parts: (0..3).map(part).collect(),
+                joins: Vec::new(),
             },
             weights: vec![1.0; 3],
             surface,

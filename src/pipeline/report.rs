@@ -81,8 +81,10 @@ pub fn whole(
     Ok(Unwrapped { metrics, artifacts })
 }
 
-/// The result of a job that ends with its parts: one label a face, and a picture of the parts.
+/// The result of a job that ends with its parts: the model with a part a face, the same as text, and a
+/// picture of the parts.
 pub fn segmentation_only(
+    scene: &Scene,
     found: &Found,
     device: &Device,
     run: &Run,
@@ -105,7 +107,11 @@ pub fn segmentation_only(
         ..Default::default()
     };
     metrics.parts = found.parts.parts.iter().map(part).collect();
+    let parts = found.parts.labels.iter().map(|&p| if p == NONE { -1 } else { p as i32 });
+    let parts: Vec<i32> = parts.collect();
+    let glb = export::part_glb(scene, &parts, Some(&extras::block(found, &[])))?;
     let artifacts = vec![
+        artifact("model.glb", "model/gltf-binary", glb),
         artifact("labels.txt", "text/plain", found.parts.to_text().into_bytes()),
         json(&metrics)?,
         artifact("preview.png", "image/png", picture),
@@ -142,6 +148,7 @@ fn empty(found: &Found, device: &Device, run: &Run, clock: &mut Clock, steps: u3
         units: Units { length: "world".into() },
         atlas: AtlasMetrics::default(),
         parts: Vec::new(),
+        part_joins: found.parts.joins.clone(),
         charts: Vec::new(),
         repairs: found.surface.repairs,
         engine: env!("CARGO_PKG_VERSION").into(),

@@ -100,6 +100,7 @@ mod tests {
             units: Units { length: "world".into() },
             atlas: AtlasMetrics::default(),
             parts: Vec::new(),
+            part_joins: Vec::new(),
             charts: Vec::new(),
             repairs: Repairs::default(),
             engine: String::new(),

@@ -2,16 +2,18 @@
 //! likely to end than not. For each part it is told which kind of evidence decided: the one without
 //! which its borders would be doubted most.
 
-use super::geometric::near_borders;
+use super::near_borders::near_borders;
 use super::point_mae::NAMES;
-use super::regions::{Evidence, Heard, Judge, Prepared, RegionGraph, agglomerate, features};
+use super::regions::{Evidence, Heard, Opinion, Prepared, RegionGraph, agglomerate, features};
+use super::sheets::Outside;
 use super::{Candidate, PartScores};
 use crate::contract::{Canceled, Run, SegmentationSource};
 use crate::mesh::{NONE, Surface};
-use crate::sampling::PointCloud;
 
-/// A part ends where that is at least as likely.
-pub const CUT: f64 = 0.5;
+/// Regions are joined up to this probability that a part ends between them, unless another cut is asked
+/// for. Below ½, for a part that was swallowed by its neighbour is lost, and one in two pieces is half
+/// there.
+pub const CUT: f64 = 0.3;
 
 /// Widths of a patch within which a border may move.
 const REACH: f64 = 1.2;
@@ -19,20 +21,30 @@ const REACH: f64 = 1.2;
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
-/// Parts of a surface by the judge, hearing only what is to be heard.
+/// Parts of a surface in the opinion of a judge, who hears only what is to be heard: regions are joined as long as the
+/// probability that a part ends between them is at most `cut`.
 pub fn fuse(
-    surface: &Surface,
-    cloud: &PointCloud,
+    seen: &Outside,
     evidence: &Evidence,
-    judge: &Judge,
+    judge: &dyn Opinion,
     heard: Heard,
+    cut: f64,
     run: &Run,
 ) -> Result<PartScores, Canceled> {
+    let (surface, cloud) = (&*seen.surface, &*seen.cloud);
     let Prepared { patch, mut graph, contacts } =
         super::regions::prepare(surface, cloud, evidence, None, run)?;
     let boundary = |x: &_| judge.boundary(x, heard);
-    let tree = agglomerate(&mut graph, &boundary, CUT, run, |_, _, _, _| true)?;
-    let of_patch = tree.cut(CUT);
+    let mut tree = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
+    // A judgement changes as regions get fewer: until none is left that would be joined.
+    loop {
+        let more = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
+        if more.joins.is_empty() {
+            break;
+        }
+        tree.joins.extend(more.joins);
+    }
+    let of_patch = tree.cut(cut);
     let label: Vec<i32> =
         patch.iter().map(|&p| if p == NONE { -1 } else { of_patch[p as usize] as i32 }).collect();
     // The region that is left of each part stands at one of its patches.
@@ -43,7 +55,8 @@ pub fn fuse(
     }
     // Patches have ragged rims: about as far as one reaches, the line may be drawn anew, the more freely
     // the nearer. Between shells the file has drawn it already.
-    let faces_of_patch = surface.face_count() as f64 / of_patch.len().max(1) as f64;
+    let usable = surface.usable.iter().filter(|u| **u).count();
+    let faces_of_patch = usable as f64 / of_patch.len().max(1) as f64;
     let rings = (REACH * faces_of_patch.sqrt()).round().clamp(2.0, 8.0) as u8;
     let shell = |h: u32| surface.origins[h as usize / 3].shell;
     let same_shell = |h: u32| shell(h) == shell(surface.twin[h as usize]);
@@ -59,11 +72,15 @@ pub fn fuse(
         Candidate { name, ..found }
     };
     let candidates = stands.iter().map(candidate).collect();
+    // What would be joined next, up to one part a body or group of touching bodies.
+    let above = agglomerate(&mut graph, &boundary, f64::INFINITY, run, |_, _, _, _| true)?;
+    let part = |patch: u32| of_patch[patch as usize];
+    let joins = above.joins.iter().map(|j| (part(j.keep), part(j.gone), j.boundary)).collect();
     let joined = |c: &&super::regions::contact::Contact| {
         label[c.faces.0 as usize] == label[c.faces.1 as usize]
     };
     let bridges = contacts.iter().filter(joined).map(|c| c.faces).collect();
-    Ok(PartScores { candidates, fixed, votes, weights, bridges })
+    Ok(seen.whole(PartScores { candidates, fixed, votes, weights, bridges, joins }))
 }
 
 /// The name of the node that a part lies in, where the file has several.
@@ -74,32 +91,38 @@ fn given_name(surface: &Surface, graph: &RegionGraph, p: u32) -> Option<String> 
 }
 
 /// Name, source and confidence of the part whose region stands at `p`.
-fn candidate(graph: &RegionGraph, p: u32, judge: &Judge, heard: Heard) -> Candidate {
-    let part = SegmentationSource::Authored;
+fn candidate(graph: &RegionGraph, p: u32, judge: &dyn Opinion, heard: Heard) -> Candidate {
+    let part = match heard {
+        Heard { authored: true, .. } => SegmentationSource::Authored,
+        Heard { learned: true, .. } => SegmentationSource::Learned,
+        _ => SegmentationSource::Geometric,
+    };
     let Some(region) = graph.region(p) else {
         return Candidate { name: "part".into(), source: part, confidence: 0.0 };
     };
     let total: f64 = region.names.iter().sum();
     let best = (0..region.names.len()).max_by(|&a, &b| region.names[a].total_cmp(&region.names[b]));
     let name = best.filter(|&b| region.names[b] > NAMED * total).map_or("part", |b| NAMES[b]);
-    let without = [
-        (SegmentationSource::Learned, Heard { learned: false, ..heard }),
-        (SegmentationSource::Authored, Heard { authored: false, ..heard }),
-        (SegmentationSource::Geometric, Heard { shape: false, ..heard }),
+    let mut without = vec![
+        (SegmentationSource::Learned, heard.learned, Heard { learned: false, ..heard }),
+        (SegmentationSource::Authored, heard.authored, Heard { authored: false, ..heard }),
+        (SegmentationSource::Geometric, heard.shape, Heard { shape: false, ..heard }),
     ];
-    let (mut sure, mut length, mut missed) = (0.0, 0.0, [0.0; 3]);
+    without.retain(|w| w.1);
+    let (mut sure, mut length, mut missed) = (0.0, 0.0, vec![0.0; without.len()]);
     for (&n, border) in &graph.borders[p as usize] {
         let Some(other) = graph.region(n) else { continue };
         let x = features::features(graph, region, other, border);
         let all = judge.boundary(&x, heard);
         sure += border.length * all;
         length += border.length;
-        for (missed, (_, deaf)) in missed.iter_mut().zip(&without) {
+        for (missed, (_, _, deaf)) in missed.iter_mut().zip(&without) {
             *missed += border.length * (all - judge.boundary(&x, *deaf));
         }
     }
     // A part that touches nothing is what the file says it is.
-    let most = (0..3).max_by(|&a, &b| missed[a].total_cmp(&missed[b])).filter(|_| length > 0.0);
+    let most = (0..without.len()).max_by(|&a, &b| missed[a].total_cmp(&missed[b]));
+    let most = most.filter(|_| length > 0.0);
     let source = most.map_or(part, |k| without[k].0);
     let confidence = if length > 0.0 { sure / length } else { 1.0 };
     Candidate { name: name.into(), source, confidence }

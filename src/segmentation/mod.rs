@@ -2,7 +2,6 @@
 //! get their part by an area-weighted vote and a graph cut, and connected pieces of one label are
 //! separate parts.
 
-mod agglomerate;
 pub mod agreement;
 mod authored;
 pub mod borders;
@@ -13,11 +12,12 @@ mod geometric;
 mod given;
 mod graph_cut;
 mod labels;
+mod near_borders;
 mod network;
 pub mod point_mae;
 pub mod regions;
 mod scores;
-mod sheets;
+pub mod sheets;
 pub mod thickness;
 mod votes;
 
@@ -33,6 +33,7 @@ use crate::sampling::PointCloud;
 use dual::DualGraph;
 use fusion::fuse;
 use regions::{Heard, gather};
+use sheets::Outside;
 
 /// A source of parts.
 pub trait Segmenter {
@@ -48,23 +49,27 @@ pub trait Segmenter {
 /// The parts of a surface: one a face.
 ///
 /// `auto` takes given labels if there are any, and otherwise hears all: the network, the file's
-/// structure, the shape; `learned` hears the network alone. `device` is where the network runs.
+/// structure, the shape; `learned` hears the network alone. Regions are joined as
+/// long as the probability that a part ends between them is at most `cut` ([`fusion::CUT`] if nothing
+/// else is asked for). `device` is where the network runs.
 pub fn segment(
     surface: &Surface,
     cloud: &PointCloud,
     source: SegmentationSource,
+    cut: f64,
     device: &Device,
     run: &Run,
 ) -> Result<PartLabels, SegmentationError> {
     let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
         let network = network(device)?;
-        let evidence = gather(surface, cloud, Some(&network), run)?;
-        Ok(fuse(surface, cloud, &evidence, &network.judge, heard, run)?)
+        let seen = Outside::of(surface, cloud);
+        let evidence = gather(&seen, Some(&network), run)?;
+        Ok(fuse(&seen, &evidence, &network.judge, heard, cut, run)?)
     };
     let scores = match source {
         SegmentationSource::Labels => given::Given.segment(surface, cloud, run)?,
         SegmentationSource::Authored => authored::Authored.segment(surface, cloud, run)?,
-        SegmentationSource::Geometric => geometric::Geometric.segment(surface, cloud, run)?,
+        SegmentationSource::Geometric => geometric::Geometric(cut).segment(surface, cloud, run)?,
         SegmentationSource::Learned => fused(Heard::LEARNED)?,
         SegmentationSource::Auto if has_labels(surface) => {
             given::Given.segment(surface, cloud, run)?

@@ -27,4 +27,7 @@ pub struct PartScores {
     pub weights: Vec<f32>,
     /// Pairs of faces of bodies that touch and are of one part: such a part is not connected by edges.
     pub bridges: Vec<(u32, u32)>,
+    /// Candidates that would be joined next, in order, each pair with the probability that a part ends
+    /// between them: the hierarchy above these parts.
+    pub joins: Vec<(u32, u32, f64)>,
 }

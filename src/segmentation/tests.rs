@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DVec3, IVec3};
 use proptest::prelude::*;
 
+use super::fusion::CUT;
 use super::*;
 use crate::contract::ErrorCode;
 use crate::device::Device;
@@ -91,7 +92,7 @@ fn joined() -> Surface {
 fn parts_of(s: &Surface, source: SegmentationSource) -> PartLabels {
     let run = Run::quiet();
     let cloud = sample(s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    segment(s, &cloud, source, &Device::cpu(), &run).unwrap()
+    segment(s, &cloud, source, CUT, &Device::cpu(), &run).unwrap()
 }
 
 /// Every usable face has a part, parts are connected and numbered in order of first face, names
@@ -288,11 +289,25 @@ fn both_sheets_of_a_double_sided_body_get_the_same_parts() {
 }
 
 #[test]
+fn a_deeper_cut_gives_more_parts() {
+    let s = joined();
+    let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &Run::quiet()).unwrap();
+    let found = |cut| {
+        let auto = SegmentationSource::Auto;
+        segment(&s, &cloud, auto, cut, &Device::cpu(), &Run::quiet()).unwrap()
+    };
+    assert!(found(CUT).coarser(1.0).iter().all(|&g| g == 0));
+    assert!(found(0.05).parts.len() >= found(CUT).parts.len());
+    assert_eq!(found(1.0).parts.len(), 1);
+}
+
+#[test]
 fn what_cannot_be_done_is_an_invalid_option() {
     let mut s = joined();
     let run = Run::quiet();
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    let error = |s: &Surface, source| segment(s, &cloud, source, &Device::cpu(), &run).unwrap_err();
+    let error =
+        |s: &Surface, source| segment(s, &cloud, source, CUT, &Device::cpu(), &run).unwrap_err();
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoLabels);
     s.labels = Some(vec![-1; s.face_count()]);
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoneKnown);
@@ -302,7 +317,7 @@ fn what_cannot_be_done_is_an_invalid_option() {
     assert_eq!(error(&s, SegmentationSource::Labels).code(), ErrorCode::InvalidOption);
     run.cancel.cancel();
     let canceled =
-        segment(&s, &cloud, SegmentationSource::Authored, &Device::cpu(), &run).unwrap_err();
+        segment(&s, &cloud, SegmentationSource::Authored, CUT, &Device::cpu(), &run).unwrap_err();
     assert!(matches!(canceled, SegmentationError::Canceled(_)));
 }
 
@@ -311,7 +326,7 @@ fn nothing_gives_nothing() {
     let s = Surface { diagonal: 1.0, ..Default::default() };
     for source in [SegmentationSource::Auto, SegmentationSource::Geometric] {
         let found =
-            segment(&s, &Default::default(), source, &Device::cpu(), &Run::quiet()).unwrap();
+            segment(&s, &Default::default(), source, CUT, &Device::cpu(), &Run::quiet()).unwrap();
         assert!(found.parts.is_empty() && found.labels.is_empty());
     }
 }

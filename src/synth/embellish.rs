@@ -1,6 +1,5 @@
 //! Objects as they come in the wild, for training: parts that carry ribs, bosses, plates and rows of
-//! small things which are no parts of their own, and keys that are a keyboard together, as PartNet
-//! has them.
+//! small things which are no parts of their own.
 
 use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -15,12 +14,15 @@ const EMBELLISHED: f64 = 0.55;
 /// Chance that a part of such an object is.
 const PART: f64 = 0.5;
 
-/// An object for training: a random resolution, keys grouped, some parts embellished.
+/// Chance that such a part carries many rows.
+const BUSY: f64 = 0.25;
+
+/// An object for training: a random resolution, some parts embellished.
 pub fn embellished(kind: SynthKind, seed: u64) -> SynthObject {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(7);
     let detail = Detail(0.6 * 2.5_f64.powf(rng.random_range(0.0..1.0)));
-    let mut parts = grouped(parts(kind, seed, detail));
+    let mut parts = parts(kind, seed, detail);
     if rng.random_bool(EMBELLISHED) {
         for part in &mut parts {
             if rng.random_bool(PART) {
@@ -29,17 +31,6 @@ pub fn embellished(kind: SynthKind, seed: u64) -> SynthObject {
         }
     }
     SynthObject { kind, variant: SynthVariant::MultiNode, parts, fused: None }
-}
-
-/// Keys join the keyboard.
-fn grouped(parts: Vec<SynthPart>) -> Vec<SynthPart> {
-    let (keys, mut others): (Vec<_>, Vec<_>) =
-        parts.into_iter().partition(|p| p.coarse_name() == "key");
-    match others.iter_mut().find(|p| p.name == "keyboard") {
-        Some(board) => keys.into_iter().for_each(|key| add(board, key.positions, key.triangles)),
-        None => others.extend(keys),
-    }
-    others
 }
 
 fn add(part: &mut SynthPart, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) {
@@ -77,13 +68,15 @@ fn place(part: &SynthPart, rng: &mut ChaCha8Rng) -> Option<Place> {
     Some(Place { point: a + u * (b - a) + v * (c - a), normal, along })
 }
 
-/// Put up to three rows of small things on a part.
+/// Put rows of small things on a part: up to three, sometimes a dozen.
 fn embellish(part: &mut SynthPart, rng: &mut ChaCha8Rng) {
     let low = part.positions.iter().fold(DVec3::INFINITY, |m, &p| m.min(p));
     let high = part.positions.iter().fold(DVec3::NEG_INFINITY, |m, &p| m.max(p));
     let size = (high - low).length();
     let bare = part.clone();
-    for _ in 0..rng.random_range(1..=3) {
+    let rows =
+        if rng.random_bool(BUSY) { rng.random_range(4..=12) } else { rng.random_range(1..=3) };
+    for _ in 0..rows {
         let Some(place) = place(&bare, rng) else { continue };
         let scale = size * rng.random_range(0.012..0.07);
         let thing = thing(scale, rng);

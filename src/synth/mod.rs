@@ -49,7 +49,7 @@ pub enum SynthKind {
     Table,
     /// Blade, bolster, handle and rivets.
     Knife,
-    /// Base, lid, display, hinges, keyboard, touchpad.
+    /// Base and screen frames, screen, keyboard, touchpad, buttons, camera, shaft.
     Laptop,
     /// Deck, trucks, wheels and bolts.
     Skateboard,

@@ -42,6 +42,26 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
     let base = shell(-half.y, joint, soft / (half.y + joint));
     let lid =
         shell(-half.y, 0.002 - joint, share.min(0.45)).map(|p| DQuat::from_rotation_x(PI) * p);
+    let mut halves = [base, lid];
+    // Bands, corner caps and bumpers are the half's that they sit on.
+    for (half_case, side) in halves.iter_mut().zip([-1.0, 1.0]) {
+        let trims = rng.random_range(0..5);
+        let mut all = std::mem::take(half_case);
+        for i in 0..trims {
+            let z = half.z * (0.35 * f64::from(i) - 0.7);
+            let bar = board(DVec3::new(0.9 * half.x, 0.004, 0.02 * half.z), [detail.of(5.0, 4), 1]);
+            all = all.and(bar.shifted(DVec3::new(0.0, side * half.y, z)));
+        }
+        if rng.random_bool(0.4) {
+            for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let cap = board(DVec3::splat(0.9 * soft), [1, 1]);
+                let (x, z) = (x * (half.x - 0.7 * soft), z * (half.z - 0.7 * soft));
+                all = all.and(cap.shifted(DVec3::new(x, side * (half.y - 0.7 * soft), z)));
+            }
+        }
+        *half_case = all;
+    }
+    let [base, lid] = halves;
     let mut parts = vec![SynthPart::new("base", base), SynthPart::new("lid", lid)];
 
     let wide = rng.random_range(0.05..0.09);
@@ -51,7 +71,15 @@ pub(super) fn parts(rng: &mut ChaCha8Rng, detail: Detail) -> Vec<SynthPart> {
         .map(|i| PI * i as f64 / n as f64)
         .map(|a| DVec3::new(-wide * a.cos(), 0.0, half.z - 0.008 + out * a.sin().powf(0.5)))
         .collect();
-    parts.push(SynthPart::new("handle", tube(&path, |_| 0.007, detail.of(6.0, 6))));
+    let mut handle = tube(&path, |_| 0.007, detail.of(6.0, 6));
+    if rng.random_bool(0.5) {
+        let pad = DVec3::new(0.011, 0.014, 0.008);
+        for side in [-1.0, 1.0] {
+            let end = board(pad, [1, 1]).shifted(DVec3::new(side * wide, 0.0, half.z));
+            handle = handle.and(end);
+        }
+    }
+    parts.push(SynthPart::new("handle", handle));
     for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
         let latch = board(DVec3::new(0.016, 0.004, 0.025), [1, 1])
             .map(|p| DQuat::from_rotation_x(FRAC_PI_2) * p)

@@ -14,7 +14,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::example::{Example, Labels};
 use super::names::name_index;
 use crate::contract::{Limits, MeshKind, Run};
 use crate::mesh::{self, Surface};
@@ -124,36 +123,6 @@ pub fn read(path: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
     Ok(LabelledMesh { id, category, family, source, surface, parts, names })
 }
 
-/// The examples of a folder's meshes whose licence begins with one of `licences` (all, if there are
-/// none), and how many were left out.
-pub fn load_folder(
-    folder: &Path,
-    licences: &[String],
-    seed: u64,
-    run: &Run,
-) -> Result<(Vec<Example>, usize), FolderError> {
-    use rayon::prelude::*;
-    let all = meshes(folder)?;
-    let count = all.len();
-    let mut files = Vec::new();
-    for file in all {
-        if is_allowed(&file, licences)? {
-            files.push(file);
-        }
-    }
-    let left_out = count - files.len();
-    let example = |path: &PathBuf| {
-        let mesh = read(path, run)?;
-        let labels = Labels { parts: &mesh.parts, names: &mesh.names };
-        let example = Example::of_surface(&mesh.surface, &labels, seed, run);
-        let mut example = example.map_err(|e| error(path, e))?;
-        (example.id, example.family, example.category) = (mesh.id, mesh.family, mesh.category);
-        Ok(example)
-    };
-    let examples: Result<Vec<Example>, FolderError> = files.par_iter().map(example).collect();
-    Ok((examples?, left_out))
-}
-
 fn parts_file(mesh: &Path) -> Result<PartsFile, FolderError> {
     let path = mesh.with_extension("parts.json");
     if !path.exists() {
@@ -174,6 +143,7 @@ fn numbers(path: &Path, faces: usize) -> Result<Vec<i32>, FolderError> {
     mesh::import::parse_labels(&bytes, faces).map_err(|e| error(path, e))
 }
 
-fn error(file: &Path, reason: impl std::fmt::Display) -> FolderError {
+/// An error in a file of a data set.
+pub(super) fn error(file: &Path, reason: impl std::fmt::Display) -> FolderError {
     FolderError { file: file.display().to_string(), reason: reason.to_string() }
 }

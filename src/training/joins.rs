@@ -19,11 +19,13 @@ use crate::contract::{Canceled, Run};
 use crate::device::Device;
 use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::Network;
-use crate::segmentation::fusion::CUT;
 use crate::segmentation::point_mae::PairHead;
 use crate::segmentation::regions::{
-    Evidence, FEATURES, Heard, Judge, agglomerate, features::features, gather, prepare,
+    Evidence, FEATURES, Heard, Judge, LEARNED, Opinion, Region, RegionGraph, agglomerate,
+    features::{at, features},
+    gather, prepare,
 };
+use crate::segmentation::sheets::Outside;
 
 /// Rounds of agglomeration and training.
 const ROUNDS: usize = 3;
@@ -39,6 +41,16 @@ const RATE: f64 = 3e-3;
 
 /// How often a kind of evidence is withheld, so that each can do without the others.
 const DEAF: f64 = 0.12;
+
+/// How often the network's evidence is that of another pair: on what it has not seen it errs, and the
+/// judge, who meets it on what it was trained on, is not to believe it blindly.
+const CONFUSED: f64 = 0.03;
+
+/// How often a single number is withheld: no judgement is to hang on one.
+const DROPPED: f64 = 0.1;
+
+/// How far the judge goes astray while it learns: up to this probability that a part ends.
+const ASTRAY: f64 = 0.5;
 
 /// A refused pair is an example again when the smaller region has grown so much.
 const GROWN: f64 = 1.5;
@@ -66,10 +78,12 @@ pub fn know(
     seed: u64,
     run: &Run,
 ) -> Result<Vec<Known>, Canceled> {
-    let one = |mesh: LabelledMesh| {
+    let one = |mut mesh: LabelledMesh| {
+        let seen = Outside::of_surface(&mesh.surface).surface.into_owned();
+        mesh.surface = seen;
         let counts = SampleCounts::dense(mesh.surface.face_count());
         let cloud = sample(&mesh.surface, counts, seed, run)?;
-        let evidence = gather(&mesh.surface, &cloud, Some(network), run)?;
+        let evidence = gather(&Outside::of(&mesh.surface, &cloud), Some(network), run)?;
         Ok(Known { mesh, evidence, cloud })
     };
     meshes.into_par_iter().map(one).collect()
@@ -114,47 +128,64 @@ fn judged(
     let prepared = prepare(&known.mesh.surface, &known.cloud, &known.evidence, truth, run)?;
     let mut graph = prepared.graph;
     let mut pairs = Vec::new();
+    let areas = part_areas(&graph);
     // A pair that was refused comes up again whenever one of the two grows; it counts again once the
     // smaller has grown by half.
     let mut refused: HashMap<(u32, u32), f64> = HashMap::new();
     // Before there is a judge: steps of the embedding, bays, shells, and small borders last.
-    let first =
-        |x: &[f32; FEATURES]| f64::from(x[0] + x[1] + x[16] + x[5]) + 0.1 * f64::from(x[20]);
+    let first = |x: &[f32; FEATURES]| {
+        let speaks = [at::APART, at::STEP, at::BAY, at::ACROSS_SHELLS].map(|i| x[i]);
+        f64::from(speaks.iter().sum::<f32>()) + 0.1 * f64::from(x[at::SMALL])
+    };
     let boundary = |x: &[f32; FEATURES]| match judge {
         Some(judge) => judge.boundary(x, Heard::ALL),
         None => first(x),
     };
-    let until = if astray { CUT } else { f64::INFINITY };
+    let until = if astray { ASTRAY } else { f64::INFINITY };
     agglomerate(&mut graph, &boundary, until, run, |graph, a, b, x| {
         let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { return false };
-        let (Some(p), Some(q)) = (r.majority(), s.majority()) else { return true };
-        let is_boundary = p.0 != q.0;
-        let smaller = r.area.min(s.area);
+        let Some((is_boundary, weight)) = lesson(&areas, r, s) else { return true };
         if is_boundary {
             let last = refused.entry((a, b)).or_default();
+            let smaller = r.area.min(s.area);
             if smaller < GROWN * *last {
                 return false;
             }
             *last = smaller;
         }
-        let share = smaller / graph.area.max(f64::MIN_POSITIVE);
-        // A region of two parts teaches little.
-        let clear = (p.1.min(q.1) * 2.0 - 1.0).max(0.0);
-        pairs.push(Pair { features: *x, is_boundary, weight: clear * share.sqrt() });
+        pairs.push(Pair { features: *x, is_boundary, weight });
         !is_boundary || astray
     })?;
     if astray {
         let left = (0u32..).zip(&graph.borders);
         for (a, b, border) in left.flat_map(|(a, n)| n.range(a..).map(move |(&b, x)| (a, b, x))) {
             let (Some(r), Some(s)) = (graph.region(a), graph.region(b)) else { continue };
-            let (Some(p), Some(q)) = (r.majority(), s.majority()) else { continue };
-            let share = r.area.min(s.area) / graph.area.max(f64::MIN_POSITIVE);
-            let weight = (p.1.min(q.1) * 2.0 - 1.0).max(0.0) * share.sqrt();
-            let features = features(&graph, r, s, border);
-            pairs.push(Pair { features, is_boundary: p.0 != q.0, weight });
+            let Some((is_boundary, weight)) = lesson(&areas, r, s) else { continue };
+            pairs.push(Pair { features: features(&graph, r, s, border), is_boundary, weight });
         }
     }
     Ok(pairs)
+}
+
+/// Area of each true part.
+fn part_areas(graph: &RegionGraph) -> HashMap<i32, f64> {
+    let mut areas = HashMap::new();
+    for (&part, area) in graph.regions.iter().flatten().flat_map(|r| &r.truth) {
+        *areas.entry(part).or_default() += area;
+    }
+    areas
+}
+
+/// Whether a part ends between two regions, and how much it matters: joining them wrongly, or not,
+/// spoils their parts in the share that the smaller has of its own, whatever the size of that part. The
+/// root, for much of it lies in few pairs.
+fn lesson(areas: &HashMap<i32, f64>, r: &Region, s: &Region) -> Option<(bool, f64)> {
+    let (p, q) = (r.majority()?, s.majority()?);
+    let (small, part) = if r.area <= s.area { (r.area, p.0) } else { (s.area, q.0) };
+    let of_part = small / areas.get(&part).copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+    // A region of two parts teaches little.
+    let clear = (p.1.min(q.1) * 2.0 - 1.0).max(0.0);
+    Some((p.0 != q.0, clear * of_part.min(1.0).sqrt()))
 }
 
 /// Descend the cross entropy of pairs drawn by their weight.
@@ -181,14 +212,25 @@ fn fit(
         run.cancel.check()?;
         let (mut x, mut y) = (Vec::new(), Vec::new());
         for _ in 0..BATCH {
-            let at = rng.random_range(0.0..1.0) * total;
-            let drawn = sums.partition_point(|&s| s <= at).min(pairs.len() - 1);
-            let mut features = pairs[drawn].features;
+            let mut draw = || {
+                let at = rng.random_range(0.0..1.0) * total;
+                pairs[sums.partition_point(|&s| s <= at).min(pairs.len() - 1)]
+            };
+            let (pair, other) = (draw(), draw());
+            let mut features = pair.features;
+            if rng.random_bool(CONFUSED) {
+                features[LEARNED].copy_from_slice(&other.features[LEARNED]);
+            }
             let mut hears = || !rng.random_bool(DEAF);
             let heard = Heard { learned: hears(), authored: hears(), shape: hears() };
             heard.mask(&mut features);
+            for value in &mut features {
+                if rng.random_bool(DROPPED) {
+                    *value = 0.0;
+                }
+            }
             x.extend(features);
-            y.push(if pairs[drawn].is_boundary { 1.0_f32 } else { -1.0 });
+            y.push(if pair.is_boundary { 1.0_f32 } else { -1.0 });
         }
         let signs = Tensor::from_data(TensorData::new(y, [1, BATCH, 1]), &tensors);
         let x = Tensor::from_data(TensorData::new(x, [1, BATCH, FEATURES]), &tensors);

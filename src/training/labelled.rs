@@ -1,13 +1,9 @@
-//! Labelled meshes to agglomerate: those of folders, and procedural ones in every way that an object may
-//! stand in a file.
-
-use std::path::PathBuf;
+//! Procedural objects as labelled meshes, in every way that an object may stand in a file.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
-use super::folder::{self, LabelledMesh};
+use super::folder::LabelledMesh;
 use super::procedural::{STRETCH, stretch_parts};
 use super::structure::{Structure, scene};
 use super::trainer::TrainError;
@@ -15,30 +11,6 @@ use super::weather::weather;
 use crate::contract::Run;
 use crate::mesh;
 use crate::synth::{self, SynthKind};
-
-/// Labelled meshes of folders, without the held-out families if those are to be spared.
-pub fn meshes_of(
-    folders: &[PathBuf],
-    licences: &[String],
-    spare: impl Fn(&str) -> bool + Sync,
-    run: &Run,
-) -> Result<Vec<LabelledMesh>, TrainError> {
-    let mut all = Vec::new();
-    for folder in folders {
-        let files = folder::meshes(folder)?;
-        let one = |file: &PathBuf| -> Result<Option<LabelledMesh>, TrainError> {
-            if !folder::is_allowed(file, licences)? {
-                return Ok(None);
-            }
-            let mesh = folder::read(file, run)?;
-            Ok((!spare(&mesh.family)).then_some(mesh))
-        };
-        let read: Result<Vec<Option<LabelledMesh>>, TrainError> =
-            files.par_iter().map(one).collect();
-        all.extend(read?.into_iter().flatten());
-    }
-    Ok(all)
-}
 
 /// A procedural object as a labelled mesh: its parts joined to one body where `fused`, standing in the
 /// file in one of the ways that there are.

@@ -1,17 +1,24 @@
-//! Training of the segmentation network: examples from procedural objects (`procedural`) and from our own
-//! labelled folders (`folder`); pre-training without labels and fine-tuning with them (`trainer`),
+//! Training of the segmentation network: examples from procedural objects (`procedural`) and from data sets
+//! (`data_sets`); pre-training without labels and fine-tuning with them (`trainer`),
 //! resumable, with loss curves; the judge of joins (`joins`), from labelled meshes (`labelled`).
 
 mod augment;
 mod checkpoint;
+mod data_sets;
+#[cfg(test)]
+mod data_sets_tests;
 mod example;
 mod folder;
 mod joins;
 mod labelled;
 mod loss;
 mod names;
+mod partnet_points;
+mod partnet_tree;
+mod points;
 mod procedural;
 mod recipe;
+mod shapenet_part;
 mod structure;
 #[cfg(test)]
 mod tests;
@@ -20,10 +27,11 @@ mod union;
 mod validation;
 mod weather;
 
+pub use data_sets::{load_examples, load_meshes};
 pub use example::Example;
-pub use folder::{FolderError, LabelledMesh, load_folder, read as read_labelled};
+pub use folder::{FolderError, LabelledMesh, read as read_labelled};
 pub use joins::{Known, know, train_joins};
-pub use labelled::{meshes_of, procedural_mesh};
+pub use labelled::procedural_mesh;
 pub use names::name_index;
 pub use procedural::{ProceduralStyle, example as procedural_example};
 pub use recipe::{Data, Recipe, Task};

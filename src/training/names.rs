@@ -4,7 +4,11 @@ use crate::segmentation::point_mae::NAMES;
 
 /// Other words for the names of the vocabulary: procedural kinds, clvrai's roles, IKEA-Manual's
 /// automatic names, PartNet's leaves.
-const SYNONYMS: [(&str, &str); 74] = [
+const SYNONYMS: [(&str, &str); 83] = [
+    ("chair_seat", "seat"),
+    ("chair_back", "back"),
+    ("chair_arm", "arm"),
+    ("chair_base", "base"),
     ("tabletop", "top"),
     ("top_panel", "top"),
     ("countertop", "top"),
@@ -31,6 +35,8 @@ const SYNONYMS: [(&str, &str); 74] = [
     ("pillow", "cushion"),
     ("footboard", "panel"),
     ("knob", "handle"),
+    ("button", "handle"),
+    ("camera", "lens"),
     ("grip", "handle"),
     ("bail", "handle"),
     ("pull", "handle"),
@@ -38,6 +44,9 @@ const SYNONYMS: [(&str, &str); 74] = [
     ("switch", "handle"),
     ("display", "screen"),
     ("monitor", "screen"),
+    ("base_frame", "base"),
+    ("screen_frame", "frame"),
+    ("touchpad_surface", "keyboard"),
     ("touchpad", "keyboard"),
     ("key", "keyboard"),
     ("cap", "lid"),

@@ -111,10 +111,10 @@ fn a_labelled_folder_is_read_with_its_names_and_licences() {
         );
         write(&format!("{name}.parts.json"), &about);
     }
-    let all = load_folder(folder.path(), &[], 1, &Run::quiet()).unwrap();
+    let all = load_examples(folder.path(), &[], 1, &Run::quiet()).unwrap();
     assert_eq!((all.0.len(), all.1), (2, 0));
     let licences = ["MIT".to_owned(), "CC-BY-4.0".to_owned()];
-    let (free, left_out) = load_folder(folder.path(), &licences, 1, &Run::quiet()).unwrap();
+    let (free, left_out) = load_examples(folder.path(), &licences, 1, &Run::quiet()).unwrap();
     assert_eq!((free.len(), left_out), (1, 1));
     let example = &free[0];
     assert_eq!((example.id.as_str(), example.family.as_str()), ("free", "f_free"));
@@ -123,7 +123,7 @@ fn a_labelled_folder_is_read_with_its_names_and_licences() {
         assert_eq!(name, if part == 0 { seat } else { -1 });
     }
     write("free.labels.txt", "0\n");
-    let error = load_folder(folder.path(), &licences, 1, &Run::quiet()).unwrap_err();
+    let error = load_examples(folder.path(), &licences, 1, &Run::quiet()).unwrap_err();
     assert!(
         error.file.ends_with("free.labels.txt") && error.reason.contains("12 faces"),
         "{error}"

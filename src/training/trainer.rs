@@ -14,8 +14,9 @@ use rayon::prelude::*;
 
 use super::augment::{View, augmented};
 use super::checkpoint::{Folder, State};
+use super::data_sets::load_examples;
 use super::example::Example;
-use super::folder::{FolderError, load_folder};
+use super::folder::FolderError;
 use super::loss::{Targets, loss};
 use super::procedural::{ProceduralStyle, example};
 use super::recipe::{Recipe, Task};
@@ -133,7 +134,7 @@ fn gather(recipe: &Recipe, run: &Run) -> Result<Examples, TrainError> {
     let mut procedural = made?;
     let (mut real, mut left_out) = (Vec::new(), 0);
     for folder in &data.folders {
-        let (examples, left) = load_folder(folder, &data.licences, recipe.seed, run)?;
+        let (examples, left) = load_examples(folder, &data.licences, recipe.seed, run)?;
         real.extend(examples);
         left_out += left;
     }

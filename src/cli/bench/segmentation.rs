@@ -18,8 +18,9 @@ use crate::mesh::Surface;
 use crate::sampling::{SampleCounts, sample};
 use crate::segmentation::agreement::{Agreement, agreement};
 use crate::segmentation::borders::border_agreement;
-use crate::segmentation::fusion::fuse;
+use crate::segmentation::fusion::{CUT, fuse};
 use crate::segmentation::regions::{Heard, gather};
+use crate::segmentation::sheets::Outside;
 use crate::segmentation::{self, Network, PartLabels, network};
 use crate::synth::SynthKind;
 use crate::training::{LabelledMesh, held_out, read_labelled};
@@ -121,15 +122,16 @@ fn object(file: &Path, network: &Network, seeds: &[u64]) -> Result<Row> {
     for &seed in seeds {
         let start = Instant::now();
         let cloud = sample(surface, SampleCounts::dense(surface.face_count()), seed, &run)?;
-        let evidence = gather(surface, &cloud, Some(network), &run)?;
+        let seen = Outside::of(surface, &cloud);
+        let evidence = gather(&seen, Some(network), &run)?;
         let fused = |heard| -> Result<Vec<i32>> {
-            let scores = fuse(surface, &cloud, &evidence, &network.judge, heard, &run)?;
+            let scores = fuse(&seen, &evidence, &network.judge, heard, CUT, &run)?;
             Ok(labels(&segmentation::settle(surface, &cloud, &scores, &run)?))
         };
         let auto = fused(Heard::ALL)?;
         seconds += start.elapsed().as_secs_f64() / seeds.len() as f64;
         let source = |source| -> Result<Vec<i32>> {
-            let parts = segmentation::segment(surface, &cloud, source, &network.device, &run)?;
+            let parts = segmentation::segment(surface, &cloud, source, CUT, &network.device, &run)?;
             Ok(labels(&parts))
         };
         let found = [

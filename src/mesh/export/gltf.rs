@@ -1,5 +1,5 @@
-//! New texture coordinates in a glTF document. Of a triangle primitive the vertices, the indices
-//! and the texture coordinates are written anew; all else stays as it was.
+//! A new layer in a glTF document: texture coordinates or parts. Of a triangle primitive the vertices,
+//! the indices and that layer are written anew; all else stays as it was.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,8 +8,9 @@ use gltf::json::mesh::Mode;
 use serde_json::{Map, Value, json};
 
 use super::binary::{Kind, Streams, drop_compressed, lay_out};
+use super::layer::Layer;
 use super::split::split;
-use super::{ExportError, references, stored};
+use super::{ExportError, references};
 use crate::mesh::import::ImportError;
 use crate::mesh::import::accessor::Elements;
 use crate::mesh::import::textures::tangent_set;
@@ -17,13 +18,12 @@ use crate::mesh::import::triangles::Corners;
 use crate::mesh::import::view::{GltfView, PrimitiveView};
 use crate::mesh::scene::Primitive;
 
-/// The document with `uvs` in `TEXCOORD_{channel}` of its `primitives`, and its binary chunk.
+/// The document with `layer` in its `primitives`, and its binary chunk.
 pub(super) fn rewrite(
     json: &Value,
     buffers: &[Vec<u8>],
     primitives: &[Primitive],
-    uvs: &[[[f32; 2]; 3]],
-    channel: u8,
+    layer: Layer,
 ) -> Result<(Value, Vec<u8>), ExportError> {
     let view = GltfView::new(json, buffers)?;
     let mut writer = Writer {
@@ -31,10 +31,9 @@ pub(super) fn rewrite(
         json: json.clone(),
         accessors: Vec::new(),
         named: BTreeSet::new(),
-        channel,
         view,
     };
-    let mut rest = uvs;
+    let mut rest = layer;
     for primitive in primitives {
         let (own, others) = rest.split_at(primitive.triangles.len());
         writer.primitive(primitive.mesh as usize, primitive.primitive as usize, own)?;
@@ -63,7 +62,6 @@ struct Writer<'a> {
     /// Old accessors that have a copy with their name.
     named: BTreeSet<usize>,
     streams: Streams,
-    channel: u8,
 }
 
 impl Writer<'_> {
@@ -72,12 +70,7 @@ impl Writer<'_> {
         self.view.accessors.len() + self.accessors.len() - 1
     }
 
-    fn primitive(
-        &mut self,
-        mesh: usize,
-        number: usize,
-        uvs: &[[[f32; 2]; 3]],
-    ) -> Result<(), ExportError> {
+    fn primitive(&mut self, mesh: usize, number: usize, layer: Layer) -> Result<(), ExportError> {
         let place = format!("mesh {mesh}, primitive {number}");
         let changed = || ImportError::invalid(format!("{place} is not as it was read"));
         let primitive = self.view.primitive(mesh, number, &place)?;
@@ -86,33 +79,32 @@ impl Writer<'_> {
         let positions = self.view.elements(positions, &place)?;
         let corners = Corners::new(&self.view, &primitive, mode, positions.count, &place)?;
         let triangles = corners.triangles(&place)?;
-        if triangles.len() != uvs.len() {
+        if triangles.len() != layer.faces() {
             return Err(changed().into());
         }
-        let keys = triangles.as_flattened().iter().zip(uvs.as_flattened());
-        let (vertices, indices) = split(keys.map(|(&v, &uv)| (v, stored(uv).map(f32::to_bits))));
+        let keys = triangles.as_flattened().iter().copied().zip(layer.corners());
+        let (vertices, indices) = split(keys);
 
-        let uvs = vertices.iter().map(|(_, uv)| uv.map(f32::from_bits));
-        let uvs = Value::Object(self.streams.append_floats(uvs));
-        let uvs = self.add(uvs);
+        let values = layer.append(&mut self.streams, vertices.iter().map(|&(_, value)| value));
+        let values = self.add(Value::Object(values));
         let indices = self.streams.append_indices(&indices, vertices.len());
         let indices = self.add(indices);
 
-        let set = format!("TEXCOORD_{}", self.channel);
-        let replaced = self.replaced(&primitive, &set);
+        let set = layer.attribute();
+        let replaced = self.replaced(&primitive, &set, layer.channel());
         let sources: Vec<u32> = vertices.iter().map(|&(source, _)| source).collect();
         let mut copies = BTreeMap::new();
         let mut attributes = Map::new();
         for &(name, accessor) in &primitive.attributes {
             if name == set {
-                attributes.insert(set.clone(), uvs.into());
+                attributes.insert(set.clone(), values.into());
             } else if !replaced.contains(&name) {
                 let copy = self.copy(accessor, name, &sources, &mut copies)?;
                 attributes.insert(name.to_owned(), copy.into());
             }
         }
-        for lower in 0..=self.channel {
-            attributes.entry(format!("TEXCOORD_{lower}")).or_insert_with(|| uvs.into());
+        for lower in layer.with_lower_sets() {
+            attributes.entry(lower).or_insert_with(|| values.into());
         }
         let mut targets = Vec::with_capacity(primitive.targets.len());
         for target in &primitive.targets {
@@ -140,10 +132,15 @@ impl Writer<'_> {
     }
 
     /// What goes with the replaced set: its own old coordinates, and the tangents that follow it.
-    fn replaced<'n>(&self, primitive: &PrimitiveView, set: &'n str) -> Vec<&'n str> {
+    fn replaced<'n>(
+        &self,
+        primitive: &PrimitiveView,
+        set: &'n str,
+        channel: Option<u8>,
+    ) -> Vec<&'n str> {
         let material = primitive.material;
         let material = material.and_then(|m| self.view.json.get("materials")?.get(m));
-        let follows = tangent_set(material) == u64::from(self.channel);
+        let follows = channel.is_some_and(|c| tangent_set(material) == u64::from(c));
         match primitive.attribute(set) {
             Some(_) if follows => vec![set, "TANGENT"],
             _ => vec![set],

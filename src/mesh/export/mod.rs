@@ -1,5 +1,5 @@
-//! Writing a scene with new texture coordinates, as GLB. Everything else of a glTF document stays
-//! as it was, in the same face order; an OBJ file becomes a fresh document.
+//! Writing a scene with new texture coordinates, or with its parts, as GLB. Everything else of a glTF
+//! document stays as it was, in the same face order; an OBJ file becomes a fresh document.
 //!
 //! Inside, v points up; in glTF it points down. Here, and at no other place on the way out, v
 //! becomes 1 − v.
@@ -7,6 +7,7 @@
 mod binary;
 mod container;
 mod gltf;
+mod layer;
 mod obj;
 mod references;
 mod split;
@@ -18,16 +19,17 @@ use serde_json::{Value, json};
 
 use super::import::ImportError;
 use super::scene::{Document, Scene};
+use layer::Layer;
 
 /// A scene that cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExportError {
-    /// There must be texture coordinates for each face.
-    #[error("the scene has {faces} faces and there are texture coordinates for {given}")]
+    /// There must be a value for each face.
+    #[error("the scene has {faces} faces and there are values for {given}")]
     FaceCount {
         /// Faces of the scene.
         faces: usize,
-        /// Faces that texture coordinates were given for.
+        /// Faces that values were given for.
         given: usize,
     },
     /// A texture coordinate is infinite or no number.
@@ -71,18 +73,32 @@ pub fn glb(
     uv_channel: u8,
     extras: Option<&Value>,
 ) -> Result<Vec<u8>, ExportError> {
-    let faces = scene.face_count();
-    if faces != uvs.len() {
-        return Err(ExportError::FaceCount { faces, given: uvs.len() });
-    }
     if let Some(face) = uvs.iter().position(|uv| !uv.as_flattened().iter().all(|c| c.is_finite())) {
         return Err(ExportError::NotFinite { face });
     }
+    write(scene, Layer::Uvs { uvs, channel: uv_channel }, extras)
+}
+
+/// The scene as GLB with the part of each face in the vertex attribute `_PART`, as a float; −1 where there
+/// is none. Vertices are split where parts meet, for a vertex has one value; import reads the attribute
+/// as labels. All else, texture coordinates too, stays. `extras` is stored as
+/// `asset.extras.uvsegnet`.
+pub fn part_glb(
+    scene: &Scene,
+    parts: &[i32],
+    extras: Option<&Value>,
+) -> Result<Vec<u8>, ExportError> {
+    write(scene, Layer::Parts(parts), extras)
+}
+
+fn write(scene: &Scene, layer: Layer, extras: Option<&Value>) -> Result<Vec<u8>, ExportError> {
+    let faces = scene.face_count();
+    if faces != layer.faces() {
+        return Err(ExportError::FaceCount { faces, given: layer.faces() });
+    }
     let (mut json, bin) = match &scene.document {
-        Document::Gltf { json, buffers } => {
-            gltf::rewrite(json, buffers, &scene.primitives, uvs, uv_channel)?
-        }
-        Document::Obj(document) => obj::document(document, uvs, uv_channel)?,
+        Document::Gltf { json, buffers } => gltf::rewrite(json, buffers, &scene.primitives, layer)?,
+        Document::Obj(document) => obj::document(document, layer)?,
     };
     if let (Some(extras), Some(asset)) =
         (extras, json.get_mut("asset").and_then(Value::as_object_mut))

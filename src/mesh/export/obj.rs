@@ -4,24 +4,24 @@
 use serde_json::{Map, Value, json};
 
 use super::binary::{Streams, lay_out};
+use super::layer::{Bits, Layer};
 use super::split::split;
 use super::{ExportError, stored};
 use crate::mesh::import::obj::{ABSENT, ObjCorner, ObjDocument, ObjRun};
 
-/// The document with `uvs` in `TEXCOORD_{channel}`, and its binary chunk. The file's own texture
-/// coordinates are kept as TEXCOORD_0 if `channel` is another.
+/// The document with `layer`, and its binary chunk. The file's own texture coordinates are kept as
+/// TEXCOORD_0 unless that is the layer.
 pub(super) fn document(
     document: &ObjDocument,
-    uvs: &[[[f32; 2]; 3]],
-    channel: u8,
+    layer: Layer,
 ) -> Result<(Value, Vec<u8>), ExportError> {
     let mut streams = Streams::new(0);
     let mut accessors = Vec::new();
     let mut meshes: Vec<Vec<Value>> = vec![Vec::new(); document.groups.len()];
-    let mut rest = uvs;
+    let mut rest = layer;
     for run in &document.runs {
         let (own, others) = rest.split_at(run.faces.len());
-        let primitive = primitive(document, run, own, channel, &mut streams, &mut accessors);
+        let primitive = primitive(document, run, own, &mut streams, &mut accessors);
         meshes[run.group as usize].push(primitive);
         rest = others;
     }
@@ -68,8 +68,7 @@ pub(super) fn document(
 fn primitive(
     document: &ObjDocument,
     run: &ObjRun,
-    uvs: &[[[f32; 2]; 3]],
-    channel: u8,
+    layer: Layer,
     streams: &mut Streams,
     accessors: &mut Vec<Value>,
 ) -> Value {
@@ -77,14 +76,14 @@ fn primitive(
     let normals = corners().all(|corner| {
         corner.normal != ABSENT && document.normals[corner.normal as usize] != [0.0; 3]
     });
-    let texcoords = channel > 0 && corners().all(|corner| corner.texcoord != ABSENT);
-    let keys = corners().zip(uvs.as_flattened()).map(|(&corner, &uv)| {
+    let texcoords = layer.channel() != Some(0) && corners().all(|corner| corner.texcoord != ABSENT);
+    let keys = corners().zip(layer.corners()).map(|(&corner, value)| {
         let key = ObjCorner {
             normal: if normals { corner.normal } else { ABSENT },
             texcoord: if texcoords { corner.texcoord } else { ABSENT },
             ..corner
         };
-        (key, stored(uv).map(f32::to_bits))
+        (key, value)
     });
     let (vertices, indices) = split(keys);
 
@@ -94,7 +93,7 @@ fn primitive(
     };
     let mut attributes = Map::new();
     let position =
-        |key: &(ObjCorner, _)| document.positions[key.0.position as usize].map(|c| c as f32);
+        |key: &(ObjCorner, Bits)| document.positions[key.0.position as usize].map(|c| c as f32);
     let mut positions = streams.append_floats(vertices.iter().map(position));
     for (bound, pick) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
         let points = vertices.iter().map(position);
@@ -112,14 +111,14 @@ fn primitive(
     }
     if texcoords {
         let uv =
-            |(corner, _): &(ObjCorner, _)| stored(document.texcoords[corner.texcoord as usize]);
+            |(corner, _): &(ObjCorner, Bits)| stored(document.texcoords[corner.texcoord as usize]);
         let kept = streams.append_floats(vertices.iter().map(uv));
         attributes.insert("TEXCOORD_0".into(), add(kept.into()));
     }
-    let uvs = vertices.iter().map(|(_, uv)| uv.map(f32::from_bits));
-    let uvs = add(streams.append_floats(uvs).into());
-    for set in 0..=channel {
-        attributes.entry(format!("TEXCOORD_{set}")).or_insert_with(|| uvs.clone());
+    let values = layer.append(streams, vertices.iter().map(|&(_, value)| value));
+    let values = add(values.into());
+    for set in layer.with_lower_sets() {
+        attributes.entry(set).or_insert_with(|| values.clone());
     }
     let indices = add(streams.append_indices(&indices, vertices.len()));
     let mut primitive = Map::new();

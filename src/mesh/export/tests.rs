@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::{ExportError, as_exported, glb};
+use super::{ExportError, as_exported, glb, part_glb};
 use crate::contract::{Limits, MeshKind};
 use crate::mesh::import::fixture::{Fixture, U8, rich, squares};
 use crate::mesh::import::import;
@@ -195,6 +195,56 @@ fn bounds_are_those_of_the_written_positions() {
     );
     let (_, accessor) = attribute(&out, 1, 0, "/attributes/POSITION");
     assert_eq!((&accessor["min"], &accessor["max"]), (&json!([0, 0, 0]), &json!([100, 200, 0])));
+}
+
+#[test]
+fn parts_are_read_back_as_labels_and_all_else_stays() {
+    let before = read(&rich().glb());
+    let parts: Vec<i32> = (0..before.face_count() as i32).map(|f| f % 5 - 1).collect();
+    let after = read(&part_glb(&before, &parts, Some(&json!({"parts": 4}))).unwrap());
+    assert_eq!(after.labels.as_deref(), Some(parts.as_slice()));
+    assert_eq!(gltf(&after).0["asset"]["extras"]["uvsegnet"]["parts"], 4);
+    for (old, new) in before.primitives.iter().zip(&after.primitives) {
+        let corners = |p: &crate::mesh::scene::Primitive| {
+            let of = |t: &[u32; 3]| t.map(|v| p.positions[v as usize]);
+            p.triangles.iter().map(of).collect::<Vec<_>>()
+        };
+        assert_eq!(corners(old), corners(new));
+        let names = |scene: &Scene, p: &crate::mesh::scene::Primitive| {
+            let of = &gltf(scene).0["meshes"][p.mesh as usize]["primitives"][p.primitive as usize];
+            let names = of["attributes"].as_object().unwrap().keys().cloned();
+            names.filter(|n| n != "_PART").collect::<Vec<_>>()
+        };
+        assert_eq!(names(&before, old), names(&after, new));
+        for name in names(&before, old) {
+            let at = |scene| {
+                attribute(
+                    scene,
+                    old.mesh as usize,
+                    old.primitive as usize,
+                    &format!("/attributes/{name}"),
+                )
+                .0
+            };
+            if old.triangles.len() * 3 == at(&before).len() {
+                assert_eq!(at(&before), at(&after), "{name}");
+            }
+        }
+    }
+    let error = part_glb(&before, &parts[1..], None).unwrap_err();
+    assert!(matches!(error, ExportError::FaceCount { .. }), "{error}");
+}
+
+#[test]
+fn parts_of_an_obj_leave_its_texture_coordinates() {
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+        f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+    let scene = import(text.as_bytes(), MeshKind::Obj, &Limits::default()).unwrap();
+    let out = read(&part_glb(&scene, &[7, 2], None).unwrap());
+    assert_eq!(out.labels, Some(vec![7, 2]));
+    let (uvs, _) = attribute(&out, 0, 0, "/attributes/TEXCOORD_0");
+    assert_eq!(uvs[1], [1.0, 1.0], "v points down in glTF");
+    assert_eq!(attribute(&out, 0, 0, "/attributes/_PART").1["type"], "SCALAR");
 }
 
 #[test]

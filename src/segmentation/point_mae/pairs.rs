@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::device::dense::Activation;
 
 /// Numbers that describe a pair.
-pub const PAIR_FEATURES: usize = 30;
+pub const PAIR_FEATURES: usize = 39;
 
 /// Hidden units of each of its two layers.
 pub const PAIR_HIDDEN: usize = 32;

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::super::network::Network;
 use super::super::point_mae::{NAMES, NetworkCloud};
+use super::super::sheets::Outside;
 use super::super::thickness::thickness;
 use crate::contract::{Canceled, Run};
 use crate::mesh::rays::Rays;
@@ -33,12 +34,8 @@ pub struct Evidence {
 }
 
 /// Gather the evidence, with a network or without.
-pub fn gather(
-    surface: &Surface,
-    cloud: &PointCloud,
-    network: Option<&Network>,
-    run: &Run,
-) -> Result<Evidence, Canceled> {
+pub fn gather(seen: &Outside, network: Option<&Network>, run: &Run) -> Result<Evidence, Canceled> {
+    let (surface, cloud) = (&*seen.surface, &*seen.cloud);
     if cloud.is_empty() {
         return Ok(Evidence { thickness: vec![0.0; surface.face_count()], ..Default::default() });
     }
@@ -52,9 +49,9 @@ pub fn gather(
     let mut evidence =
         Evidence { thickness: on_faces(faces, &asked, &relative, 1, &fill), ..Default::default() };
     let Some(Network { model, config, device, .. }) = network else { return Ok(evidence) };
-    let seen = cloud.subset(&farthest_points(cloud, NETWORK_POINTS, run)?);
-    let seen_through = thickness(surface, &rays, &seen.positions, &seen.faces);
-    let mut whole = network_cloud(&seen, &seen_through);
+    let shown = cloud.subset(&farthest_points(cloud, NETWORK_POINTS, run)?);
+    let shown_through = thickness(surface, &rays, &shown.positions, &shown.faces);
+    let mut whole = network_cloud(&shown, &shown_through);
     let (middle, scale) = whole.normalise();
     let mut places = network_cloud(&asked, &through);
     places.place(middle, scale);
@@ -63,9 +60,9 @@ pub fn gather(
     evidence.names = vec![0.0; faces * NAMES.len()];
     for pose in 0..POSES {
         run.cancel.check()?;
-        let (seen, asked_places) = (turned(&whole, pose), turned(&places, pose));
+        let (shown, asked_places) = (turned(&whole, pose), turned(&places, pose));
         let tensors = device.burn();
-        let features = model.forward(config, &[seen], &[asked_places], device, &tensors);
+        let features = model.forward(config, &[shown], &[asked_places], device, &tensors);
         let part: Vec<f32> = features.part.into_data().try_into_vec().unwrap_or_default();
         let logits = burn::tensor::activation::softmax(features.names, 2);
         let names: Vec<f32> = logits.into_data().try_into_vec().unwrap_or_default();
@@ -150,8 +147,7 @@ fn nearest_known(surface: &Surface, cloud: &PointCloud) -> Vec<u32> {
     }
     while let Some(f) = queue.pop_front() {
         let across = (3 * f..3 * f + 3).map(|h| surface.twin[h as usize]).filter(|t| *t != NONE);
-        let mate = Some(surface.sheet_mate[f as usize]).filter(|m| *m != NONE);
-        for g in across.map(|t| t / 3).chain(mate) {
+        for g in across.map(|t| t / 3) {
             if from[g as usize] == NONE {
                 from[g as usize] = from[f as usize];
                 queue.push_back(g);

@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::graph::{Border, Region, RegionGraph, embedding_distance};
+use super::graph::{Border, RegionGraph};
+use super::region::{Region, embedding_distance};
 
 /// How many numbers.
 pub const FEATURES: usize = super::super::point_mae::PAIR_FEATURES;
@@ -11,10 +12,38 @@ pub const FEATURES: usize = super::super::point_mae::PAIR_FEATURES;
 pub const LEARNED: std::ops::Range<usize> = 0..5;
 
 /// Those that come from the file's structure.
-pub const AUTHORED: std::ops::Range<usize> = 5..11;
+pub const AUTHORED: std::ops::Range<usize> = 5..17;
 
 /// Those that come from the shape.
-pub const SHAPE: std::ops::Range<usize> = 12..28;
+pub const SHAPE: std::ops::Range<usize> = 18..37;
+
+/// Where some of the numbers stand.
+pub mod at {
+    /// Distance of the embeddings.
+    pub const APART: usize = 0;
+    /// Distance of the embeddings along the border.
+    pub const STEP: usize = 1;
+    /// Share of the border at which the file's shells differ.
+    pub const ACROSS_SHELLS: usize = 5;
+    /// Share of the border where bodies touch and share no edge.
+    pub const CONTACT: usize = 17;
+    /// How much of a valley the border is, ridges counting less.
+    pub const VALLEY: usize = 18;
+    /// How much of its edges is a ridge.
+    pub const RIDGE: usize = 20;
+    /// How concave the border's two sides lie.
+    pub const BAY: usize = 22;
+    /// Logarithm of the smaller one's share of the area.
+    pub const SMALL: usize = 26;
+    /// Logarithm of the larger one's.
+    pub const LARGE: usize = 27;
+    /// How much thicker one is than the other.
+    pub const THICK: usize = 28;
+    /// Volume of both boxes over that of the box about both.
+    pub const BOXES: usize = 32;
+    /// How far both together are from a plane, a cylinder, a cone.
+    pub const MISFIT_BOTH: usize = 36;
+}
 
 /// The numbers for a pair of neighbours.
 pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) -> [f32; FEATURES] {
@@ -49,6 +78,13 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         // That all is one shell says nothing; that two halves of a board are says much.
         if own_shell { graph.shell_share(a.shell) } else { 0.0 },
         (graph.shells.len().max(1) as f64).ln() / 7.0,
+        // Bodies: whole ones have no borders that are edges; a row of alike ones is often one part.
+        (small.edges / small.perimeter.max(1e-300)).clamp(0.0, 1.0),
+        (large.edges / large.perimeter.max(1e-300)).clamp(0.0, 1.0),
+        flag(small.like.is_some() && small.like == large.like),
+        f64::from(graph.alike(small).max(1)).ln() / 4.0,
+        f64::from(graph.alike(large).max(1)).ln() / 4.0,
+        f64::from(graph.bodies.max(1)).ln() / 7.0,
         1.0 - border.edges / length,
         if border.weight > 0.0 { border.valley / border.weight } else { 0.0 },
         border.valley / edges,
@@ -66,6 +102,10 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         spread.volume,
         spread.boxes,
         spread.flatness,
+        // Planes, cylinders and cones fit each or both.
+        3.0 * small.misfit(),
+        3.0 * large.misfit(),
+        3.0 * a.misfit_with(b),
         (graph.left as f64).ln() / 7.0,
         flag(small.area < 1e-3 * graph.area),
     ];

@@ -1,13 +1,11 @@
-//! The graph of regions: what a region is, what the border between two is, and how both add up when
-//! regions are joined.
+//! The graph of regions: what the border between two regions is, and how both add up when regions are
+//! joined.
 
 use std::collections::BTreeMap;
 
-use glam::{DMat3, DVec3};
-
-use super::super::point_mae::NAMES;
-use super::contact::Contact;
+use super::contact::{Contact, Likes};
 use super::evidence::Evidence;
+use super::region::{Region, embedding_distance};
 use crate::mesh::{NONE, Surface};
 
 /// An edge more concave than this (radians) is a valley in full; a flat one is none.
@@ -18,35 +16,6 @@ const FLAT: f64 = 0.2;
 
 /// A ridge says little about whether its two sides are one part.
 const RIDGE: f64 = 0.25;
-
-/// Sums over the faces of a region. Sums are by area unless they say otherwise.
-#[derive(Debug, Clone, Default)]
-pub struct Region {
-    /// World units squared.
-    pub area: f64,
-    /// Of the embedding.
-    pub embedding: Vec<f64>,
-    /// Of the names' shares.
-    pub names: Vec<f64>,
-    /// Of the logarithm of the thickness, and the area where it is known.
-    pub thickness: (f64, f64),
-    /// Of positions.
-    pub moment: DVec3,
-    /// Of the products of positions.
-    pub products: DMat3,
-    /// Of normals.
-    pub normal: DVec3,
-    /// Corners of the box around it.
-    pub bounds: (DVec3, DVec3),
-    /// Length of its borders.
-    pub perimeter: f64,
-    /// The file's shell, if it is of one only.
-    pub shell: Option<u32>,
-    /// The file's primitive, if it is of one only.
-    pub primitive: Option<u32>,
-    /// Area of each true part, where the truth is known.
-    pub truth: BTreeMap<i32, f64>,
-}
 
 /// Sums over the border between two regions. World units.
 #[derive(Debug, Clone, Copy, Default)]
@@ -88,55 +57,6 @@ impl Border {
     }
 }
 
-impl Region {
-    fn add(&mut self, other: &Region) {
-        self.area += other.area;
-        self.embedding.iter_mut().zip(&other.embedding).for_each(|(a, b)| *a += b);
-        self.names.iter_mut().zip(&other.names).for_each(|(a, b)| *a += b);
-        self.thickness.0 += other.thickness.0;
-        self.thickness.1 += other.thickness.1;
-        self.moment += other.moment;
-        self.products += other.products;
-        self.normal += other.normal;
-        self.bounds = (self.bounds.0.min(other.bounds.0), self.bounds.1.max(other.bounds.1));
-        self.shell = self.shell.filter(|s| other.shell == Some(*s));
-        self.primitive = self.primitive.filter(|p| other.primitive == Some(*p));
-        for (&part, area) in &other.truth {
-            *self.truth.entry(part).or_default() += area;
-        }
-    }
-
-    /// Mean logarithm of the thickness, if it is known.
-    pub fn log_thickness(&self) -> Option<f64> {
-        (self.thickness.1 > 0.0).then(|| self.thickness.0 / self.thickness.1)
-    }
-
-    /// Covariance of its points.
-    pub fn covariance(&self) -> DMat3 {
-        covariance(self.area, self.moment, self.products)
-    }
-
-    /// Covariance of the points of both.
-    pub fn covariance_with(&self, other: &Region) -> DMat3 {
-        let area = self.area + other.area;
-        covariance(area, self.moment + other.moment, self.products + other.products)
-    }
-
-    /// The true part that has most of it, and which share it has.
-    pub fn majority(&self) -> Option<(i32, f64)> {
-        let total: f64 = self.truth.values().sum();
-        let best = self.truth.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))?;
-        Some((*best.0, best.1 / total))
-    }
-}
-
-fn covariance(area: f64, moment: DVec3, products: DMat3) -> DMat3 {
-    let area = area.max(f64::MIN_POSITIVE);
-    let mean = moment / area;
-    let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
-    products * (1.0 / area) - outer
-}
-
 /// Regions and their borders. A region that was joined to another is `None`.
 #[derive(Debug, Clone, Default)]
 pub struct RegionGraph {
@@ -152,6 +72,10 @@ pub struct RegionGraph {
     pub diagonal: f64,
     /// Area of each shell.
     pub shells: BTreeMap<u32, f64>,
+    /// Bodies of each group of bodies that are alike.
+    pub likes: Vec<u32>,
+    /// Bodies in all.
+    pub bodies: u32,
 }
 
 impl RegionGraph {
@@ -160,18 +84,12 @@ impl RegionGraph {
         surface: &Surface,
         evidence: &Evidence,
         (patch, count): (&[u32], usize),
-        contacts: &[Contact],
+        (contacts, likes): (&[Contact], Likes),
         truth: Option<&[i32]>,
     ) -> Self {
-        let empty = Region {
-            embedding: vec![0.0; evidence.width],
-            names: vec![0.0; if evidence.names.is_empty() { 0 } else { NAMES.len() }],
-            bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
-            ..Default::default()
-        };
-        let mut regions = vec![empty; count];
+        let mut regions = vec![Region::empty(evidence); count];
         for f in (0..surface.face_count()).filter(|&f| patch[f] != NONE) {
-            add_face(&mut regions[patch[f] as usize], surface, evidence, f, truth);
+            regions[patch[f] as usize].add_face(surface, evidence, likes.of_face[f], f, truth);
         }
         let mut borders = vec![BTreeMap::<u32, Border>::new(); count];
         let mut between = |a: u32, b: u32, border: Border| {
@@ -193,20 +111,28 @@ impl RegionGraph {
         }
         for (region, borders) in regions.iter_mut().zip(&borders) {
             region.perimeter = borders.values().map(|b| b.length).sum();
+            region.edges = borders.values().map(|b| b.edges).sum();
         }
         let area = regions.iter().map(|r| r.area).sum();
         let regions = regions.into_iter().map(Some).collect();
         let mut shells = BTreeMap::new();
-        for (origin, own) in surface.origins.iter().zip(&surface.areas) {
-            *shells.entry(origin.shell).or_default() += own;
+        for f in (0..surface.face_count()).filter(|&f| surface.usable[f]) {
+            *shells.entry(surface.origins[f].shell).or_default() += surface.areas[f];
         }
-        Self { regions, borders, left: count, area, diagonal: surface.diagonal, shells }
+        let bodies = likes.count();
+        let (left, diagonal, likes) = (count, surface.diagonal, likes.bodies);
+        Self { regions, borders, left, area, diagonal, shells, likes, bodies }
     }
 
     /// Share of the area that a shell has.
     pub fn shell_share(&self, shell: Option<u32>) -> f64 {
         let area = shell.and_then(|s| self.shells.get(&s)).copied().unwrap_or(0.0);
         area / self.area.max(f64::MIN_POSITIVE)
+    }
+
+    /// Bodies that are like those of a region; 0 if it has several kinds.
+    pub fn alike(&self, region: &Region) -> u32 {
+        region.like.map_or(0, |l| self.likes[l as usize])
     }
 
     /// The region of a number that is left.
@@ -226,62 +152,13 @@ impl RegionGraph {
         }
         if let Some(region) = self.regions[keep as usize].as_mut() {
             let perimeter = region.perimeter + other.perimeter - 2.0 * between.length;
+            let edges = region.edges + other.edges - 2.0 * between.edges;
             region.add(&other);
             region.perimeter = perimeter;
+            region.edges = edges;
         }
         self.left -= 1;
         self.borders[keep as usize].keys().copied().collect()
-    }
-}
-
-fn add_face(
-    region: &mut Region,
-    surface: &Surface,
-    evidence: &Evidence,
-    face: usize,
-    truth: Option<&[i32]>,
-) {
-    let area = surface.areas[face];
-    let first = region.area == 0.0;
-    region.area += area;
-    let row = |values: &[f32], width: usize, sum: &mut [f64]| {
-        let values = &values[face * width..][..width];
-        sum.iter_mut().zip(values).for_each(|(s, v)| *s += area * f64::from(*v));
-    };
-    row(&evidence.embedding, evidence.width, &mut region.embedding);
-    if !evidence.names.is_empty() {
-        row(&evidence.names, NAMES.len(), &mut region.names);
-    }
-    let through = f64::from(evidence.thickness[face]);
-    if through > 0.0 {
-        region.thickness.0 += area * through.ln();
-        region.thickness.1 += area;
-    }
-    let corners = surface.corners(face);
-    let mean = surface.centroid(face);
-    region.moment += area * mean;
-    // Exact for a triangle: a twelfth of the corners' products and nine of the centroid's.
-    for p in corners {
-        region.products += DMat3::from_cols(p * p.x, p * p.y, p * p.z) * (area / 12.0);
-        region.bounds = (region.bounds.0.min(p), region.bounds.1.max(p));
-    }
-    let of_mean = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
-    region.products += of_mean * (area * 0.75);
-    // The two faces of a double-sided sheet would cancel.
-    let mate = surface.sheet_mate[face];
-    if mate == NONE || face < mate as usize {
-        region.normal += area * surface.normals[face];
-    }
-    let origin = &surface.origins[face];
-    let keep = |known: Option<u32>, own: u32| {
-        if first { Some(own) } else { known.filter(|k| *k == own) }
-    };
-    region.shell = keep(region.shell, origin.shell);
-    region.primitive = keep(region.primitive, origin.primitive);
-    if let Some(truth) = truth
-        && truth[face] >= 0
-    {
-        *region.truth.entry(truth[face]).or_default() += area;
     }
 }
 
@@ -318,9 +195,39 @@ fn distance(regions: &[Region], a: u32, b: u32) -> f64 {
     embedding_distance(&regions[a as usize], &regions[b as usize])
 }
 
-/// Distance of the mean embeddings of two regions; 0 without a network.
-pub fn embedding_distance(a: &Region, b: &Region) -> f64 {
-    let (s, t) = (1.0 / a.area.max(f64::MIN_POSITIVE), 1.0 / b.area.max(f64::MIN_POSITIVE));
-    let pairs = a.embedding.iter().zip(&b.embedding);
-    pairs.map(|(x, y)| (x * s - y * t).powi(2)).sum::<f64>().sqrt()
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+    use crate::contract::{Limits, MeshKind, Run};
+
+    /// The unit cube in two regions: four sides; top and bottom.
+    fn cube() -> RegionGraph {
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+            f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 1 4 3 2\nf 5 6 7 8\n";
+        let scene = crate::mesh::import(text.as_bytes(), MeshKind::Obj, &Limits::default());
+        let surface = crate::mesh::condition(&scene.unwrap(), &Run::quiet()).unwrap();
+        let evidence = Evidence { thickness: vec![0.0; 12], ..Default::default() };
+        let patch: Vec<u32> = (0..12).map(|f| u32::from(f >= 8)).collect();
+        let likes = Likes::new(&surface, &super::super::contact::bodies(&surface));
+        RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], likes), None)
+    }
+
+    #[test]
+    fn moments_are_those_of_a_cube() {
+        let mut graph = cube();
+        let sides = graph.region(0).unwrap();
+        assert!(sides.misfit().abs() < 1e-12, "sides of a prism: {}", sides.misfit());
+        assert!((sides.misfit_with(graph.region(1).unwrap()) - 1.0 / 3.0).abs() < 1e-12);
+        let border = graph.borders[0][&1];
+        assert!((border.length - 8.0).abs() < 1e-12 && border.valley == 0.0);
+        graph.join(0, 1);
+        let whole = graph.region(0).unwrap();
+        assert!((whole.area - 6.0).abs() < 1e-12 && whole.perimeter.abs() < 1e-12);
+        // Two faces at a distance of ½, four spread evenly: (2/4 + 4/12) / 6.
+        let want = DMat3::from_diagonal(DVec3::splat(5.0 / 36.0));
+        assert!((whole.covariance() - want).abs_diff_eq(DMat3::ZERO, 1e-12));
+        assert_eq!((graph.alike(whole), graph.left), (1, 1));
+    }
 }

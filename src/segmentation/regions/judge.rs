@@ -36,6 +36,12 @@ impl Heard {
     }
 }
 
+/// Says how likely a part ends between two regions.
+pub trait Opinion {
+    /// Probability that the two regions are of different parts, hearing only what is to be heard.
+    fn boundary(&self, features: &[f32; FEATURES], heard: Heard) -> f64;
+}
+
 /// A layer: weights by input, then the bias.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Layer {
@@ -66,9 +72,10 @@ impl Judge {
     pub fn is_trained(&self) -> bool {
         self.0.iter().all(|layer| layer.bias.iter().any(|b| *b != 0.0))
     }
+}
 
-    /// Probability that the two regions are of different parts.
-    pub fn boundary(&self, features: &[f32; FEATURES], heard: Heard) -> f64 {
+impl Opinion for Judge {
+    fn boundary(&self, features: &[f32; FEATURES], heard: Heard) -> f64 {
         let mut masked = *features;
         heard.mask(&mut masked);
         let mut x = masked.to_vec();

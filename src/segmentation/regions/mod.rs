@@ -10,12 +10,16 @@ pub mod graph;
 pub mod hierarchy;
 pub mod judge;
 pub mod patches;
+pub mod region;
+pub mod rule;
 
 pub use evidence::{Evidence, gather};
 pub use features::{AUTHORED, FEATURES, LEARNED, SHAPE};
 pub use graph::RegionGraph;
 pub use hierarchy::{Boundary, Hierarchy, Join, agglomerate};
-pub use judge::{Heard, Judge};
+pub use judge::{Heard, Judge, Opinion};
+pub use region::Region;
+pub use rule::Rule;
 
 use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
@@ -41,7 +45,9 @@ pub fn prepare(
 ) -> Result<Prepared, Canceled> {
     let (patch, count) = patches::patches(surface, evidence);
     run.cancel.check()?;
-    let contacts = contact::contacts(surface, cloud, &contact::bodies(surface));
-    let graph = RegionGraph::new(surface, evidence, (&patch, count), &contacts, truth);
+    let bodies = contact::bodies(surface);
+    let contacts = contact::contacts(surface, cloud, &bodies);
+    let likes = contact::Likes::new(surface, &bodies);
+    let graph = RegionGraph::new(surface, evidence, (&patch, count), (&contacts, likes), truth);
     Ok(Prepared { patch, graph, contacts })
 }

@@ -23,10 +23,6 @@ const MANY: usize = 6000;
 /// Patch of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
 pub fn patches(surface: &Surface, evidence: &Evidence) -> (Vec<u32>, usize) {
     let mut sets = DisjointSets::new(surface.face_count());
-    // The two faces of a double-sided sheet are one place.
-    for (f, &m) in (0u32..).zip(&surface.sheet_mate).filter(|(_, m)| **m != NONE) {
-        sets.join(f, m);
-    }
     let mut links: Vec<(f64, u32, u32)> = Vec::new();
     for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
         let angle = surface.dihedral(h);
