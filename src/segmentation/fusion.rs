@@ -21,8 +21,8 @@ const REACH: f64 = 1.2;
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
-/// Parts of a surface in the opinion of a judge, who hears only what is to be heard: regions are joined as long as the
-/// probability that a part ends between them is at most `cut`.
+/// Parts of a surface in the opinion of a judge, who hears only what is to be heard: regions are joined as
+/// long as the probability that a part ends between them is at most `cut`.
 pub fn fuse(
     seen: &Outside,
     evidence: &Evidence,

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::dual::DualGraph;
+use super::regions::hierarchy::groups;
 use super::scores::{Candidate, PartScores};
 use crate::contract::{PartJoin, SegmentationSource};
 use crate::mesh::{DisjointSets, NONE, Surface};
@@ -35,23 +36,7 @@ impl PartLabels {
     /// Group of each part if the joins up to this boundary were made, numbered in order of first part: a
     /// coarser cut through the hierarchy.
     pub fn coarser(&self, boundary: f64) -> Vec<u32> {
-        let mut sets = DisjointSets::new(self.parts.len());
-        // A join stands on those before it: above the first that is too bold, none holds for its side.
-        let mut torn = vec![false; self.parts.len()];
-        for join in &self.joins {
-            let (a, b) = (sets.root(join.a), sets.root(join.b));
-            if join.boundary > boundary || torn[a as usize] || torn[b as usize] {
-                (torn[a as usize], torn[b as usize]) = (true, true);
-            } else {
-                sets.join(a, b);
-            }
-        }
-        let mut numbers = BTreeMap::new();
-        let number = |p: u32| {
-            let next = numbers.len() as u32;
-            *numbers.entry(sets.root(p)).or_insert(next)
-        };
-        (0..self.parts.len() as u32).map(number).collect()
+        groups(self.parts.len(), self.joins.iter().map(|j| (j.a, j.b, j.boundary)), boundary)
     }
 
     /// The labels as text: one integer a line, line i for face i, −1 for a face without area.

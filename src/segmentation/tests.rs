@@ -290,6 +290,8 @@ fn both_sheets_of_a_double_sided_body_get_the_same_parts() {
 
 #[test]
 fn a_deeper_cut_gives_more_parts() {
+    let asked = crate::contract::UnwrapOptions::default().part_boundary;
+    assert_eq!(asked, CUT, "the benchmark measures what a user gets");
     let s = joined();
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &Run::quiet()).unwrap();
     let found = |cut| {

@@ -112,31 +112,37 @@ pub fn agglomerate(
 impl Hierarchy {
     /// Region of each patch when joins above `most` are undone, numbered in order of first patch.
     pub fn cut(&self, most: f64) -> Vec<u32> {
-        let mut sets = DisjointSets::new(self.patches);
-        // A join stands on those below it: above the first that is too bold, none holds for its side.
-        let mut torn = vec![false; self.patches];
-        for join in &self.joins {
-            let (a, b) = (sets.root(join.keep), sets.root(join.gone));
-            if join.boundary > most || torn[a as usize] || torn[b as usize] {
-                torn[a as usize] = true;
-                torn[b as usize] = true;
-            } else {
-                sets.join(a, b);
-            }
-        }
-        let mut number = vec![u32::MAX; self.patches];
-        let mut count = 0;
-        (0..self.patches as u32)
-            .map(|p| {
-                let root = sets.root(p) as usize;
-                if number[root] == u32::MAX {
-                    number[root] = count;
-                    count += 1;
-                }
-                number[root]
-            })
-            .collect()
+        groups(self.patches, self.joins.iter().map(|j| (j.keep, j.gone, j.boundary)), most)
     }
+}
+
+/// Group of each of `count` things when joins (two of them, and how likely a boundary is between) above
+/// `most` are undone, numbered in order of first member.
+pub fn groups(count: usize, joins: impl Iterator<Item = (u32, u32, f64)>, most: f64) -> Vec<u32> {
+    let mut sets = DisjointSets::new(count);
+    // A join stands on those below it: above the first that is too bold, none holds for its side.
+    let mut torn = vec![false; count];
+    for (a, b, boundary) in joins {
+        let (a, b) = (sets.root(a), sets.root(b));
+        if boundary > most || torn[a as usize] || torn[b as usize] {
+            torn[a as usize] = true;
+            torn[b as usize] = true;
+        } else {
+            sets.join(a, b);
+        }
+    }
+    let mut number = vec![u32::MAX; count];
+    let mut next = 0;
+    (0..count as u32)
+        .map(|i| {
+            let root = sets.root(i) as usize;
+            if number[root] == u32::MAX {
+                number[root] = next;
+                next += 1;
+            }
+            number[root]
+        })
+        .collect()
 }
 
 #[cfg(test)]

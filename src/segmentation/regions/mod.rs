@@ -1,7 +1,7 @@
 //! Parts as sets of patches: evidence from network, geometry and file (`evidence`), patches over which
-//! nothing speaks for a boundary (`patches`), their graph with the places where bodies touch (`graph`,
-//! `contact`), and its agglomeration by a learned judge to a hierarchy (`features`, `judge`,
-//! `hierarchy`).
+//! nothing speaks for a boundary (`patches`), their graph with the places where bodies touch (`region`,
+//! `graph`, `contact`), and its agglomeration to a hierarchy by a learned judge or a rule (`features`,
+//! `judge`, `rule`, `hierarchy`).
 
 pub mod contact;
 pub mod evidence;
