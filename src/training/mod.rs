@@ -4,6 +4,7 @@
 
 mod augment;
 mod checkpoint;
+mod committee;
 mod data_sets;
 #[cfg(test)]
 mod data_sets_tests;

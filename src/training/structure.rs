@@ -105,6 +105,7 @@ mod tests {
     use super::*;
     use crate::contract::Run;
     use crate::mesh;
+    use crate::segmentation::regions::solids::{Solids, bodies};
     use crate::synth::{SynthKind, SynthStyle, SynthVariant, make};
 
     #[test]
@@ -124,5 +125,21 @@ mod tests {
         assert_eq!(shells(Structure::Solids), parts);
         assert!(shells(Structure::Smooth) > parts);
         assert_eq!(shells(Structure::Soup), object.triangle_count());
+    }
+
+    #[test]
+    fn shells_are_solids_unless_vertices_are_split_at_hard_edges() {
+        let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
+        let object = make(SynthKind::Table, 1, style);
+        for structure in Structure::ALL {
+            let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
+            let solids = Solids::new(&surface, &bodies(&surface));
+            let told = matches!(structure, Structure::Nodes | Structure::Solids);
+            assert_eq!(solids.told, told, "{structure:?}");
+            assert!((solids.areas.values().sum::<f64>() - surface.area()).abs() < 1e-9);
+            if told {
+                assert_eq!(solids.areas.len(), object.parts.len());
+            }
+        }
     }
 }

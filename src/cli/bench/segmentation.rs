@@ -169,7 +169,7 @@ fn labels(parts: &PartLabels) -> Vec<i32> {
 }
 
 fn components(surface: &Surface) -> Vec<i32> {
-    segmentation::regions::contact::bodies(surface).iter().map(|&b| b as i32).collect()
+    segmentation::regions::solids::bodies(surface).iter().map(|&b| b as i32).collect()
 }
 
 /// Print the table: sets, then what was held out of the training with the defaults, then categories

@@ -3,6 +3,7 @@
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
+use super::solids::Solids;
 use crate::mesh::{NONE, Surface};
 use crate::sampling::PointCloud;
 
@@ -65,55 +66,32 @@ pub fn contacts(surface: &Surface, cloud: &PointCloud, body: &[u32]) -> Vec<Cont
 /// Areas are alike that, in order of size, follow each other within this share.
 const ALIKE: f64 = 0.004;
 
-/// Bodies that are alike in area, such as the keys of a keyboard or the legs of a chair.
+/// Solids that are alike in area, such as the keys of a keyboard or the legs of a chair.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Likes {
-    /// Group of each face's body, [`NONE`] for faces that are not usable.
+    /// Group of each face's solid, [`NONE`] for faces that are not usable.
     pub of_face: Vec<u32>,
-    /// Bodies of each group.
-    pub bodies: Vec<u32>,
+    /// Solids of each group.
+    pub solids: Vec<u32>,
 }
 
 impl Likes {
-    /// Group the bodies (`body`: one number a face) of a surface.
-    pub fn new(surface: &Surface, body: &[u32]) -> Self {
-        let mut areas = std::collections::BTreeMap::<u32, f64>::new();
-        for (own, area) in body.iter().zip(&surface.areas).filter(|(b, _)| **b != NONE) {
-            *areas.entry(*own).or_default() += area;
-        }
-        let mut order: Vec<(u32, f64)> = areas.into_iter().collect();
+    /// Group the solids.
+    pub fn new(solids: &Solids) -> Self {
+        let mut order: Vec<(u32, f64)> = solids.areas.iter().map(|(s, a)| (*s, *a)).collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let mut bodies: Vec<u32> = Vec::new();
+        let mut counts: Vec<u32> = Vec::new();
         let mut last = f64::NEG_INFINITY;
         let mut group = std::collections::HashMap::new();
         for (own, area) in order {
-            match bodies.last_mut() {
+            match counts.last_mut() {
                 Some(count) if area <= last * (1.0 + ALIKE) => *count += 1,
-                _ => bodies.push(1),
+                _ => counts.push(1),
             }
             last = area;
-            group.insert(own, bodies.len() as u32 - 1);
+            group.insert(own, counts.len() as u32 - 1);
         }
-        let of_face = body.iter().map(|b| group.get(b).copied().unwrap_or(NONE)).collect();
-        Self { of_face, bodies }
+        let of = |own: &u32| group.get(own).copied().unwrap_or(NONE);
+        Self { of_face: solids.of_face.iter().map(of).collect(), solids: counts }
     }
-
-    /// Bodies in all.
-    pub fn count(&self) -> u32 {
-        self.bodies.iter().sum()
-    }
-}
-
-/// Number the bodies: faces that share edges, or stand back to back. [`NONE`] for faces that are not
-/// usable.
-pub fn bodies(surface: &Surface) -> Vec<u32> {
-    let mut sets = crate::mesh::DisjointSets::new(surface.face_count());
-    for (h, &t) in (0u32..).zip(&surface.twin).filter(|(_, t)| **t != NONE) {
-        sets.join(h / 3, t / 3);
-    }
-    for (f, &m) in (0u32..).zip(&surface.sheet_mate).filter(|(_, m)| **m != NONE) {
-        sets.join(f, m);
-    }
-    let of = |f: u32| if surface.usable[f as usize] { sets.root(f) } else { NONE };
-    (0..surface.face_count() as u32).map(of).collect()
 }

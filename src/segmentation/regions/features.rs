@@ -17,14 +17,18 @@ pub const AUTHORED: std::ops::Range<usize> = 5..17;
 /// Those that come from the shape.
 pub const SHAPE: std::ops::Range<usize> = 18..37;
 
+/// From this probability that two places lie on different solids on, solids say all they can: a body with
+/// specks beside it may have any parts.
+const SEVERAL: f64 = 0.006;
+
 /// Where some of the numbers stand.
 pub mod at {
     /// Distance of the embeddings.
     pub const APART: usize = 0;
     /// Distance of the embeddings along the border.
     pub const STEP: usize = 1;
-    /// Share of the border at which the file's shells differ.
-    pub const ACROSS_SHELLS: usize = 5;
+    /// Share of the border that is between two solids.
+    pub const ACROSS_SOLIDS: usize = 5;
     /// Share of the border where bodies touch and share no edge.
     pub const CONTACT: usize = 17;
     /// How much of a valley the border is, ridges counting less.
@@ -51,8 +55,8 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
     let (length, edges) = (border.length.max(1e-300), border.edges.max(1e-300));
     let share = |x: &Region| (x.area / graph.area.max(1e-300)).max(1e-9).ln() / 7.0;
     let [apart, alike, best_a, best_b] = learned(a, b);
-    let (own_shell, mixed) =
-        (a.shell.is_some() && a.shell == b.shell, a.shell.is_none() || b.shell.is_none());
+    let (own_solid, mixed) =
+        (a.solid.is_some() && a.solid == b.solid, a.solid.is_none() || b.solid.is_none());
     let spread = Spread::of(a, b);
     let thick = match (a.log_thickness(), b.log_thickness()) {
         (Some(s), Some(t)) => ((s - t).abs() / 2.0).min(1.5),
@@ -71,20 +75,20 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         alike,
         best_a.max(best_b),
         flag(!a.names.is_empty()),
-        border.across_shells / edges,
-        flag(own_shell),
+        border.across_solids / edges,
+        flag(own_solid),
         flag(mixed),
         flag(a.primitive.is_some() && a.primitive == b.primitive),
-        // That all is one shell says nothing; that two halves of a board are says much.
-        if own_shell { graph.shell_share(a.shell) } else { 0.0 },
-        (graph.shells.len().max(1) as f64).ln() / 7.0,
-        // Bodies: whole ones have no borders that are edges; a row of alike ones is often one part.
+        // That all is one solid says nothing; that two halves of a board are says all.
+        if own_solid { (graph.solids.apart.powi(2) / SEVERAL).min(1.0) } else { 0.0 },
+        flag(graph.solids.told),
+        // Solids: whole ones have no borders that are edges; a row of alike ones is often one part.
         (small.edges / small.perimeter.max(1e-300)).clamp(0.0, 1.0),
         (large.edges / large.perimeter.max(1e-300)).clamp(0.0, 1.0),
         flag(small.like.is_some() && small.like == large.like),
         f64::from(graph.alike(small).max(1)).ln() / 4.0,
         f64::from(graph.alike(large).max(1)).ln() / 4.0,
-        f64::from(graph.bodies.max(1)).ln() / 7.0,
+        graph.solids.apart,
         1.0 - border.edges / length,
         if border.weight > 0.0 { border.valley / border.weight } else { 0.0 },
         border.valley / edges,

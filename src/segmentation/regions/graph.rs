@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::contact::{Contact, Likes};
 use super::evidence::Evidence;
 use super::region::{Region, embedding_distance};
+use super::solids::Solids;
 use crate::mesh::{NONE, Surface};
 
 /// An edge more concave than this (radians) is a valley in full; a flat one is none.
@@ -24,8 +25,8 @@ pub struct Border {
     pub length: f64,
     /// Of shared edges.
     pub edges: f64,
-    /// Of edges at which the file's shells differ.
-    pub across_shells: f64,
+    /// Of edges between two solids.
+    pub across_solids: f64,
     /// Length × how much of a valley.
     pub valley: f64,
     /// Length, ridges counting less: what `valley` is compared with.
@@ -43,10 +44,15 @@ pub struct Border {
 }
 
 impl Border {
+    /// Length of edges inside a solid.
+    fn within_solids(&self) -> f64 {
+        self.edges - self.across_solids
+    }
+
     fn add(&mut self, other: &Border) {
         self.length += other.length;
         self.edges += other.edges;
-        self.across_shells += other.across_shells;
+        self.across_solids += other.across_solids;
         self.valley += other.valley;
         self.weight += other.weight;
         self.ridge += other.ridge;
@@ -70,12 +76,10 @@ pub struct RegionGraph {
     pub area: f64,
     /// Diagonal of the surface.
     pub diagonal: f64,
-    /// Area of each shell.
-    pub shells: BTreeMap<u32, f64>,
-    /// Bodies of each group of bodies that are alike.
+    /// The solids.
+    pub solids: Solids,
+    /// Solids of each group of solids that are alike.
     pub likes: Vec<u32>,
-    /// Bodies in all.
-    pub bodies: u32,
 }
 
 impl RegionGraph {
@@ -84,12 +88,19 @@ impl RegionGraph {
         surface: &Surface,
         evidence: &Evidence,
         (patch, count): (&[u32], usize),
-        (contacts, likes): (&[Contact], Likes),
+        (contacts, solids): (&[Contact], Solids),
         truth: Option<&[i32]>,
     ) -> Self {
+        let likes = Likes::new(&solids);
         let mut regions = vec![Region::empty(evidence); count];
         for f in (0..surface.face_count()).filter(|&f| patch[f] != NONE) {
-            regions[patch[f] as usize].add_face(surface, evidence, likes.of_face[f], f, truth);
+            regions[patch[f] as usize].add_face(
+                surface,
+                evidence,
+                (solids.of_face[f], likes.of_face[f]),
+                f,
+                truth,
+            );
         }
         let mut borders = vec![BTreeMap::<u32, Border>::new(); count];
         let mut between = |a: u32, b: u32, border: Border| {
@@ -99,7 +110,7 @@ impl RegionGraph {
         for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
             let (a, b) = (patch[h as usize / 3], patch[t as usize / 3]);
             if a != b && a != NONE && b != NONE {
-                between(a, b, edge(surface, &regions, (a, b), h));
+                between(a, b, edge(surface, &regions, (a, b), h, solids.differ(h, t)));
             }
         }
         for contact in contacts {
@@ -111,26 +122,15 @@ impl RegionGraph {
         }
         for (region, borders) in regions.iter_mut().zip(&borders) {
             region.perimeter = borders.values().map(|b| b.length).sum();
-            region.edges = borders.values().map(|b| b.edges).sum();
+            region.edges = borders.values().map(Border::within_solids).sum();
         }
         let area = regions.iter().map(|r| r.area).sum();
         let regions = regions.into_iter().map(Some).collect();
-        let mut shells = BTreeMap::new();
-        for f in (0..surface.face_count()).filter(|&f| surface.usable[f]) {
-            *shells.entry(surface.origins[f].shell).or_default() += surface.areas[f];
-        }
-        let bodies = likes.count();
-        let (left, diagonal, likes) = (count, surface.diagonal, likes.bodies);
-        Self { regions, borders, left, area, diagonal, shells, likes, bodies }
+        let (left, diagonal, likes) = (count, surface.diagonal, likes.solids);
+        Self { regions, borders, left, area, diagonal, solids, likes }
     }
 
-    /// Share of the area that a shell has.
-    pub fn shell_share(&self, shell: Option<u32>) -> f64 {
-        let area = shell.and_then(|s| self.shells.get(&s)).copied().unwrap_or(0.0);
-        area / self.area.max(f64::MIN_POSITIVE)
-    }
-
-    /// Bodies that are like those of a region; 0 if it has several kinds.
+    /// Solids that are like those of a region; 0 if it has several kinds.
     pub fn alike(&self, region: &Region) -> u32 {
         region.like.map_or(0, |l| self.likes[l as usize])
     }
@@ -152,7 +152,7 @@ impl RegionGraph {
         }
         if let Some(region) = self.regions[keep as usize].as_mut() {
             let perimeter = region.perimeter + other.perimeter - 2.0 * between.length;
-            let edges = region.edges + other.edges - 2.0 * between.edges;
+            let edges = region.edges + other.edges - 2.0 * between.within_solids();
             region.add(&other);
             region.perimeter = perimeter;
             region.edges = edges;
@@ -163,17 +163,15 @@ impl RegionGraph {
 }
 
 /// The border that one edge is.
-fn edge(surface: &Surface, regions: &[Region], (a, b): (u32, u32), h: u32) -> Border {
+fn edge(surface: &Surface, regions: &[Region], (a, b): (u32, u32), h: u32, across: bool) -> Border {
     let (length, angle) = (surface.length(h), surface.dihedral(h));
-    let shell = |h: u32| surface.origins[h as usize / 3].shell;
-    let across = shell(h) != shell(surface.twin[h as usize]);
     let lie = lie(&regions[a as usize], &regions[b as usize]);
     Border {
         bay: length * (-lie / FULL).clamp(0.0, 1.0),
         bulge: length * (lie / FULL).clamp(0.0, 1.0),
         length,
         edges: length,
-        across_shells: if across { length } else { 0.0 },
+        across_solids: if across { length } else { 0.0 },
         valley: length * (-angle / FULL).clamp(0.0, 1.0),
         weight: if angle > FLAT { RIDGE * length } else { length },
         ridge: if angle > FLAT { length } else { 0.0 },
@@ -210,8 +208,8 @@ mod tests {
         let surface = crate::mesh::condition(&scene.unwrap(), &Run::quiet()).unwrap();
         let evidence = Evidence { thickness: vec![0.0; 12], ..Default::default() };
         let patch: Vec<u32> = (0..12).map(|f| u32::from(f >= 8)).collect();
-        let likes = Likes::new(&surface, &super::super::contact::bodies(&surface));
-        RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], likes), None)
+        let solids = Solids::new(&surface, &super::super::solids::bodies(&surface));
+        RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], solids), None)
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub mod judge;
 pub mod patches;
 pub mod region;
 pub mod rule;
+pub mod solids;
 
 pub use evidence::{Evidence, gather};
 pub use features::{AUTHORED, FEATURES, LEARNED, SHAPE};
@@ -20,6 +21,7 @@ pub use hierarchy::{Boundary, Hierarchy, Join, agglomerate};
 pub use judge::{Heard, Judge, Opinion};
 pub use region::Region;
 pub use rule::Rule;
+pub use solids::Solids;
 
 use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
@@ -43,11 +45,11 @@ pub fn prepare(
     truth: Option<&[i32]>,
     run: &Run,
 ) -> Result<Prepared, Canceled> {
-    let (patch, count) = patches::patches(surface, evidence);
+    let bodies = solids::bodies(surface);
+    let solids = Solids::new(surface, &bodies);
+    let (patch, count) = patches::patches(surface, evidence, &solids);
     run.cancel.check()?;
-    let bodies = contact::bodies(surface);
     let contacts = contact::contacts(surface, cloud, &bodies);
-    let likes = contact::Likes::new(surface, &bodies);
-    let graph = RegionGraph::new(surface, evidence, (&patch, count), (&contacts, likes), truth);
+    let graph = RegionGraph::new(surface, evidence, (&patch, count), (&contacts, solids), truth);
     Ok(Prepared { patch, graph, contacts })
 }

@@ -3,6 +3,7 @@
 //! Huttenlocher 2004, doi:10.1023/B:VISI.0000022288.19776.77, do for pixels), up to a size.
 
 use super::evidence::Evidence;
+use super::solids::Solids;
 use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// A patch has at most this share of the area.
@@ -17,18 +18,15 @@ const STEP: f64 = 0.6;
 /// An edge that bends more than this (radians) is never inside a patch.
 const SHARP: f64 = 0.6;
 
-/// Above this many patches, shells are joined too: a soup of single triangles says nothing.
-const MANY: usize = 6000;
-
 /// Patch of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
-pub fn patches(surface: &Surface, evidence: &Evidence) -> (Vec<u32>, usize) {
+pub fn patches(surface: &Surface, evidence: &Evidence, solids: &Solids) -> (Vec<u32>, usize) {
     let mut sets = DisjointSets::new(surface.face_count());
     let mut links: Vec<(f64, u32, u32)> = Vec::new();
     for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
         let angle = surface.dihedral(h);
         if angle.abs() < SHARP {
             let bend = if angle < 0.0 { -2.0 * angle } else { angle };
-            links.push((BEND * bend + STEP * step(evidence, h / 3, t / 3), h / 3, t / 3));
+            links.push((BEND * bend + STEP * step(evidence, h / 3, t / 3), h, t));
         }
     }
     links.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
@@ -37,25 +35,16 @@ pub fn patches(surface: &Surface, evidence: &Evidence) -> (Vec<u32>, usize) {
         areas[sets.root(f) as usize] += surface.areas[f as usize];
     }
     let most = MOST * areas.iter().sum::<f64>();
-    let shell = |f: u32| surface.origins[f as usize].shell;
-    let join = |across_shells: bool, sets: &mut DisjointSets, areas: &mut [f64]| {
-        for &(_, f, g) in &links {
-            let (a, b) = (sets.root(f), sets.root(g));
-            let whole = areas[a as usize] + areas[b as usize];
-            if a != b && whole <= most && (across_shells || shell(f) == shell(g)) {
-                let (keep, gone) = (a.min(b), a.max(b));
-                sets.hang(gone, keep);
-                areas[keep as usize] = whole;
-            }
+    for &(_, h, t) in &links {
+        let (a, b) = (sets.root(h / 3), sets.root(t / 3));
+        let whole = areas[a as usize] + areas[b as usize];
+        if a != b && whole <= most && !solids.differ(h, t) {
+            let (keep, gone) = (a.min(b), a.max(b));
+            sets.hang(gone, keep);
+            areas[keep as usize] = whole;
         }
-    };
-    join(false, &mut sets, &mut areas);
-    let mut numbered = number(surface, &mut sets);
-    if numbered.1 > MANY {
-        join(true, &mut sets, &mut areas);
-        numbered = number(surface, &mut sets);
     }
-    numbered
+    number(surface, &mut sets)
 }
 
 fn number(surface: &Surface, sets: &mut DisjointSets) -> (Vec<u32>, usize) {

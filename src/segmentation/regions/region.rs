@@ -32,12 +32,12 @@ pub struct Region {
     pub bounds: (DVec3, DVec3),
     /// Length of its borders.
     pub perimeter: f64,
-    /// Length of those that are edges; 0 for whole bodies.
+    /// Length of those that are edges inside a solid; 0 for whole solids.
     pub edges: f64,
-    /// Group of bodies that are alike ([`Likes`]), if it is of one only.
+    /// Group of solids that are alike ([`Likes`]), if it is of one only.
     pub like: Option<u32>,
-    /// The file's shell, if it is of one only.
-    pub shell: Option<u32>,
+    /// The solid, if it is of one only.
+    pub solid: Option<u32>,
     /// The file's primitive, if it is of one only.
     pub primitive: Option<u32>,
     /// Area of each true part, where the truth is known.
@@ -60,18 +60,18 @@ impl Region {
             perimeter: 0.0,
             edges: 0.0,
             like: None,
-            shell: None,
+            solid: None,
             primitive: None,
             truth: BTreeMap::new(),
         }
     }
 
-    /// Add a face.
+    /// Add a face of a solid and its group.
     pub fn add_face(
         &mut self,
         surface: &Surface,
         evidence: &Evidence,
-        like: u32,
+        (solid, like): (u32, u32),
         face: usize,
         truth: Option<&[i32]>,
     ) {
@@ -108,7 +108,7 @@ impl Region {
         let keep = |known: Option<u32>, own: u32| {
             if first { Some(own) } else { known.filter(|k| *k == own) }
         };
-        self.shell = keep(self.shell, origin.shell);
+        self.solid = keep(self.solid, solid);
         self.like = keep(self.like, like);
         self.primitive = keep(self.primitive, origin.primitive);
         if let Some(truth) = truth
@@ -130,7 +130,7 @@ impl Region {
         self.normal += other.normal;
         self.normals += other.normals;
         self.bounds = (self.bounds.0.min(other.bounds.0), self.bounds.1.max(other.bounds.1));
-        self.shell = self.shell.filter(|s| other.shell == Some(*s));
+        self.solid = self.solid.filter(|s| other.solid == Some(*s));
         self.primitive = self.primitive.filter(|p| other.primitive == Some(*p));
         self.like = self.like.filter(|l| other.like == Some(*l));
         for (&part, area) in &other.truth {
