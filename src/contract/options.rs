@@ -61,7 +61,7 @@ pub struct UnwrapOptions {
     pub density: Option<String>,
     /// Neighbouring regions are one part if the probability that a part ends between them is at most
     /// this, 0 to 1: lower gives more parts.
-    #[arg(long, default_value_t = 0.3)]
+    #[arg(long, default_value_t = 0.55)]
     #[schema(minimum = 0.0, maximum = 1.0)]
     pub part_boundary: f64,
     /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1.
@@ -119,7 +119,7 @@ impl Default for UnwrapOptions {
             pages: 1,
             udim: false,
             density: None,
-            part_boundary: 0.3,
+            part_boundary: 0.55,
             distortion_bound: 0.01,
             max_charts: None,
             quality: Default::default(),

@@ -11,9 +11,9 @@ use crate::contract::{Canceled, Run, SegmentationSource};
 use crate::mesh::{NONE, Surface};
 
 /// Regions are joined up to this probability that a part ends between them, unless another cut is asked
-/// for. Below ½, for a part that was swallowed by its neighbour is lost, and one in two pieces is half
-/// there.
-pub const CUT: f64 = 0.3;
+/// for. Of 0.3, 0.4, 0.5 and 0.6, measured on half of the labelled objects, 0.5 gave the best overlap and 0.6
+/// the best Rand index of articulated ones.
+pub const CUT: f64 = 0.55;
 
 /// Widths of a patch within which a border may move.
 const REACH: f64 = 1.2;

@@ -1,5 +1,6 @@
 //! A judge without a network: nine numbers weighed by hand-sized constants (logistic regression on the
-//! pairs of procedural and IKEA objects that the learned judge is trained on, rounded).
+//! pairs of procedural and IKEA objects that the learned judge is trained on, rounded; the constant is 1.05
+//! higher than fitted, so that the rule, which hears less, joins less at the same cut).
 
 use super::features::{FEATURES, at};
 use super::judge::{Heard, Opinion};
@@ -8,7 +9,7 @@ use super::judge::{Heard, Opinion};
 pub struct Rule;
 
 /// What is added if nothing speaks.
-const BASE: f64 = 0.9;
+const BASE: f64 = 1.95;
 
 /// A number of the pair, and how much it speaks for a boundary.
 const WEIGHTS: [(usize, f64); 9] = [
