@@ -62,13 +62,13 @@ pub fn fit(
     device: &Device,
     run: &Run,
 ) -> Result<(PairHead, f64), TrainError> {
-    let member = |k: usize| {
+    let train = |k: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(k as u64);
         member(pairs, objects, rng, device, run)
     };
     let members: Result<Vec<(PairHead, f64)>, TrainError> =
-        (0..MEMBERS).into_par_iter().map(member).collect();
+        (0..MEMBERS).into_par_iter().map(train).collect();
     let (heads, losses): (Vec<PairHead>, Vec<f64>) = members?.into_iter().unzip();
     let loss = losses.iter().sum::<f64>() / MEMBERS as f64;
     Ok((PairHead::committee(&heads, &device.burn()), loss))

@@ -3,7 +3,6 @@
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::solids::Solids;
 use crate::mesh::{NONE, Surface};
 use crate::sampling::PointCloud;
 
@@ -61,37 +60,4 @@ pub fn contacts(surface: &Surface, cloud: &PointCloud, body: &[u32]) -> Vec<Cont
         same
     });
     found
-}
-
-/// Areas are alike that, in order of size, follow each other within this share.
-const ALIKE: f64 = 0.004;
-
-/// Solids that are alike in area, such as the keys of a keyboard or the legs of a chair.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Likes {
-    /// Group of each face's solid, [`NONE`] for faces that are not usable.
-    pub of_face: Vec<u32>,
-    /// Solids of each group.
-    pub solids: Vec<u32>,
-}
-
-impl Likes {
-    /// Group the solids.
-    pub fn new(solids: &Solids) -> Self {
-        let mut order: Vec<(u32, f64)> = solids.areas.iter().map(|(s, a)| (*s, *a)).collect();
-        order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let mut counts: Vec<u32> = Vec::new();
-        let mut last = f64::NEG_INFINITY;
-        let mut group = std::collections::HashMap::new();
-        for (own, area) in order {
-            match counts.last_mut() {
-                Some(count) if area <= last * (1.0 + ALIKE) => *count += 1,
-                _ => counts.push(1),
-            }
-            last = area;
-            group.insert(own, counts.len() as u32 - 1);
-        }
-        let of = |own: &u32| group.get(own).copied().unwrap_or(NONE);
-        Self { of_face: solids.of_face.iter().map(of).collect(), solids: counts }
-    }
 }

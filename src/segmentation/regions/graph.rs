@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::contact::{Contact, Likes};
+use super::contact::Contact;
 use super::evidence::Evidence;
 use super::region::{Region, embedding_distance};
-use super::solids::Solids;
+use super::solids::{Likes, Solids};
 use crate::mesh::{NONE, Surface};
 
 /// An edge more concave than this (radians) is a valley in full; a flat one is none.

@@ -34,7 +34,7 @@ pub struct Region {
     pub perimeter: f64,
     /// Length of those that are edges inside a solid; 0 for whole solids.
     pub edges: f64,
-    /// Group of solids that are alike ([`Likes`](super::contact::Likes)), if it is of one only.
+    /// Group of solids that are alike ([`Likes`](super::solids::Likes)), if it is of one only.
     pub like: Option<u32>,
     /// The solid, if it is of one only.
     pub solid: Option<u32>,

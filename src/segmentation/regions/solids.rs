@@ -1,9 +1,9 @@
-//! The solids of a file. Faces that share vertices in the file may be one solid that stands beside
-//! others, as a screen in its frame does, or one smooth patch of a file that splits vertices at hard
-//! edges, as most exporters do for normals. What tells them apart: who splits at hard edges leaves none
-//! inside a shell.
+//! The solids of a file, and which of them are alike. Faces that share vertices in the file may be one
+//! solid that stands beside others, as a screen in its frame does, or one smooth patch of a file that
+//! splits vertices at hard edges, as most exporters do for normals. What tells them apart: who splits
+//! at hard edges leaves none inside a shell.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::mesh::{DisjointSets, NONE, Surface};
 
@@ -14,6 +14,9 @@ const HARD: f64 = 0.7;
 /// end at 60 % of the length between shells where the share is higher, at 1 % where it is lower, and
 /// few objects lie between 0.3 and 0.6.
 const INSIDE: f64 = 0.6;
+
+/// Areas are alike that, in order of size, follow each other within this share.
+const ALIKE: f64 = 0.004;
 
 /// Solids of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -50,6 +53,36 @@ impl Solids {
     /// Whether an edge is between two solids.
     pub fn differ(&self, h: u32, twin: u32) -> bool {
         self.of_face[h as usize / 3] != self.of_face[twin as usize / 3]
+    }
+}
+
+/// Solids that are alike in area, such as the keys of a keyboard or the legs of a chair.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Likes {
+    /// Group of each face's solid, [`NONE`] for faces that are not usable.
+    pub of_face: Vec<u32>,
+    /// Solids of each group.
+    pub solids: Vec<u32>,
+}
+
+impl Likes {
+    /// Group the solids.
+    pub fn new(solids: &Solids) -> Self {
+        let mut order: Vec<(u32, f64)> = solids.areas.iter().map(|(s, a)| (*s, *a)).collect();
+        order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        let mut counts: Vec<u32> = Vec::new();
+        let mut last = f64::NEG_INFINITY;
+        let mut group = HashMap::new();
+        for (own, area) in order {
+            match counts.last_mut() {
+                Some(count) if area <= last * (1.0 + ALIKE) => *count += 1,
+                _ => counts.push(1),
+            }
+            last = area;
+            group.insert(own, counts.len() as u32 - 1);
+        }
+        let of = |own: &u32| group.get(own).copied().unwrap_or(NONE);
+        Self { of_face: solids.of_face.iter().map(of).collect(), solids: counts }
     }
 }
 
