@@ -7,6 +7,7 @@ mod how;
 mod object;
 mod peer;
 mod quality;
+mod same;
 mod segmentation;
 mod sheet;
 mod table;
@@ -28,6 +29,9 @@ enum What {
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),
+    /// Unwrap objects with this program and with another build of it, with one thread and with two, and
+    /// compare every file.
+    Same(same::Args),
     /// Find the parts of labelled objects, by each source alone and by all together, and compare them with
     /// the labels.
     Segmentation(segmentation::Args),
@@ -40,6 +44,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
+        What::Same(args) => same::run(args),
         What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),
     }
