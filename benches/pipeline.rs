@@ -4,7 +4,7 @@
 
 use uvsegnet::contract::{Limits, MeshKind, Quality, Run, UnwrapOptions};
 use uvsegnet::device::Device;
-use uvsegnet::pipeline::{Input, unwrap_input};
+use uvsegnet::pipeline::{Engine, Input, unwrap_input};
 
 const SAMPLES: [&str; 5] = ["chair", "chair_small", "table", "laptop", "skateboard"];
 
@@ -13,9 +13,9 @@ fn job(bencher: divan::Bencher, sample: &str, quality: Quality) {
     let bytes = std::fs::read(path).expect("the samples are in the tree");
     let input = Input { bytes: &bytes, kind: MeshKind::Glb, labels: None };
     let options = UnwrapOptions { quality, ..Default::default() };
-    let (limits, device) = (Limits::default(), Device::cpu());
+    let (limits, engine) = (Limits::default(), Engine::new(Device::cpu()));
     bencher.bench_local(|| {
-        unwrap_input(&input, &options, &limits, &device, &Run::quiet()).expect("samples are sound")
+        unwrap_input(&input, &options, &limits, &engine, &Run::quiet()).expect("samples are sound")
     });
 }
 

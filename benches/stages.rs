@@ -18,8 +18,7 @@ use uvsegnet::metrics::{self, Measured, MeasuredFigures};
 use uvsegnet::parameterization::{self, TrainChart, TrainOptions, TrainedChart};
 use uvsegnet::preview;
 use uvsegnet::sampling::{self, PointCloud, SampleCounts};
-use uvsegnet::segmentation::fusion::CUT;
-use uvsegnet::segmentation::{self, PartLabels};
+use uvsegnet::segmentation::{self, PartLabels, SegmentOptions, Weights};
 
 const SAMPLES: [&str; 5] = ["chair", "chair_small", "table", "laptop", "skateboard"];
 
@@ -122,13 +121,14 @@ fn sample(surface: &Surface) -> PointCloud {
 }
 
 fn segment(surface: &Surface, cloud: &PointCloud) -> PartLabels {
-    let source = UnwrapOptions::default().segmentation;
-    segmentation::segment(surface, cloud, source, CUT, &Device::cpu(), &Run::quiet())
+    let options = SegmentOptions::from(&UnwrapOptions::default());
+    let (weights, device) = (Weights::shipped(), Device::cpu());
+    segmentation::segment(surface, cloud, &options, &weights, &device, &Run::quiet())
         .expect("samples have parts")
 }
 
 fn cut(surface: &Surface, parts: &PartLabels) -> Vec<Chart> {
-    let options = ChartOptions { distortion_bound: UnwrapOptions::default().distortion_bound };
+    let options = ChartOptions::from(&UnwrapOptions::default());
     charts::build(surface, &parts.labels, &options, &Run::quiet()).expect("nothing cancels it")
 }
 
@@ -168,7 +168,7 @@ fn polish(surface: &Surface, charts: &[Chart]) -> Vec<UvMap> {
         if flatten::quality(&chart.disk, &chart.start).is_isometric() {
             return chart.cut_map.clone();
         }
-        let uv = flatten::slim(&chart.disk, &chart.cut_map, &options, &Run::quiet().cancel)
+        let uv = flatten::slim(&chart.disk, &chart.cut_map, &options, &Run::quiet())
             .expect("nothing cancels it");
         if charts::is_sound(&chart.disk, &uv, clearance) { uv } else { chart.cut_map.clone() }
     };
@@ -188,7 +188,7 @@ fn pack(charts: &[Chart], maps: &[UvMap]) -> Atlas {
         grid: Grid::Page,
         weights: Vec::new(),
     };
-    atlas::pack(&disks, &options, &Run::quiet().cancel).expect("samples fit a page")
+    atlas::pack(&disks, &options, &Run::quiet()).expect("samples fit a page")
 }
 
 fn quantise(surface: &Surface, charts: &[Chart], atlas: &Atlas) -> Vec<UvMap> {

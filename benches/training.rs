@@ -5,7 +5,7 @@
 mod barrel;
 
 use barrel::Barrel;
-use uvsegnet::contract::{LossForm, Run};
+use uvsegnet::contract::{LossForm, Run, Stage};
 use uvsegnet::device::Device;
 use uvsegnet::parameterization::{TrainChart, TrainOptions, train};
 
@@ -21,8 +21,8 @@ fn twenty_steps_of_8_charts_of_512_points(bencher: divan::Bencher, form: LossFor
     let [columns, rows] = QUADS;
     let barrel = Barrel::new(columns, rows);
     let charts: Vec<TrainChart> = (0..CHARTS).map(|id| barrel.chart(id)).collect();
-    let (width, points, seed, wall_share) = (64, 512, 0, 1e9);
-    let options = TrainOptions { width, steps: STEPS, points, seed, form, wall_share };
+    let (width, points, seed, stage) = (64, 512, 0, Stage::Train);
+    let options = TrainOptions { width, steps: STEPS, points, seed, form, stage };
     let device = Device::cpu();
     bencher.counter(divan::counter::ItemsCount::new(STEPS)).bench_local(|| {
         let mut told = |_: u32, _: u32, _: &[usize]| {};

@@ -63,6 +63,10 @@ pub struct LimitFlags {
     #[arg(long, value_name = "SECONDS", env = "UVSEGNET_JOB_TIMEOUT")]
     #[arg(default_value_t = Limits::default().job_seconds)]
     pub job_timeout: u64,
+    /// Most MiB that a job may use.
+    #[arg(long, value_name = "MIB", env = "UVSEGNET_JOB_MEMORY")]
+    #[arg(default_value_t = Limits::default().job_mib)]
+    pub job_memory: u64,
     /// Most jobs that may wait in the queue.
     #[arg(long, value_name = "N", env = "UVSEGNET_MAX_QUEUED")]
     #[arg(default_value_t = Limits::default().queued_jobs)]
@@ -78,6 +82,7 @@ impl LimitFlags {
             json_bytes: self.max_json,
             node_depth: self.max_node_depth,
             job_seconds: self.job_timeout,
+            job_mib: self.job_memory,
             queued_jobs: self.max_queued,
         }
     }
@@ -90,6 +95,7 @@ impl LimitFlags {
             ("--max-json", self.max_json),
             ("--max-node-depth", u64::from(self.max_node_depth)),
             ("--job-timeout", self.job_timeout),
+            ("--job-memory", self.job_memory),
             ("--max-queued", self.max_queued),
         ];
         flags.into_iter().flat_map(|(flag, n)| [flag.into(), n.to_string().into()]).collect()

@@ -6,7 +6,7 @@
 mod barrel;
 
 use barrel::Barrel;
-use uvsegnet::contract::{LossForm, Run};
+use uvsegnet::contract::{LossForm, Run, Stage};
 use uvsegnet::device::{self, Device, DeviceChoice};
 use uvsegnet::parameterization::{TrainOptions, train};
 
@@ -17,8 +17,8 @@ fn both_devices_train_the_same_map() {
     // 12 × 8 vertices.
     let barrel = Barrel::new(11, 7);
     let chart = barrel.chart(1);
-    let (form, wall_share) = (LossForm::Sound, 1e9);
-    let options = TrainOptions { width: 16, steps: 6, points: 96, seed: 3, form, wall_share };
+    let (form, stage) = (LossForm::Sound, Stage::Train);
+    let options = TrainOptions { width: 16, steps: 6, points: 96, seed: 3, form, stage };
     let on = |device: &Device| {
         let mut told = |_: u32, _: u32, _: &[usize]| {};
         train(std::slice::from_ref(&chart), &options, device, &Run::quiet(), &mut told).unwrap()

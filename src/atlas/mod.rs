@@ -6,6 +6,7 @@ mod arrangement;
 mod certificate;
 mod gutter;
 mod mask;
+mod options;
 mod pack;
 mod page;
 mod placement;
@@ -15,7 +16,8 @@ mod search;
 
 pub use certificate::{AtlasCertificates, Demands, Placed, certify_atlas};
 pub use gutter::gutters;
-pub use pack::{Atlas, PackError, PackOptions, pack};
+pub use options::PackOptions;
+pub use pack::{Atlas, PackError, pack};
 pub use placement::Placement;
 pub use quantise::{Grid, Quantised, quantise};
-pub use raster::{Coverage, rasterise};
+pub use raster::{Coverage, raster_bytes, rasterise};

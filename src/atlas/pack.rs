@@ -5,31 +5,13 @@ use glam::DVec2;
 
 use super::arrangement::free_turns;
 use super::mask::Outline;
+use super::options::PackOptions;
 use super::page::CELLS;
 use super::placement::Placement;
-use super::quantise::{Grid, REACH};
+use super::quantise::REACH;
 use super::search::{Piece, Sheet, Spot, search};
-use crate::contract::{Cancel, Canceled, Rotation};
+use crate::contract::{Canceled, Rotation, Run};
 use crate::flatten::{Disk, UvMap};
-
-/// How to pack.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PackOptions {
-    /// Side of the square page, texels.
-    pub page_size: u32,
-    /// Least gutter between two charts, texels.
-    pub padding: u32,
-    /// How charts may be turned.
-    pub rotation: Rotation,
-    /// Whether no block of 4 × 4 texels may be touched by two charts.
-    pub block_align: bool,
-    /// Most pages; more are used only where the charts fit on so many at no density.
-    pub pages: u32,
-    /// The lattice that coordinates are put on afterwards.
-    pub grid: Grid,
-    /// Texel density of each chart relative to the others; empty: all alike.
-    pub weights: Vec<f64>,
-}
 
 /// Why charts could not be packed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -83,7 +65,7 @@ const BLOCK: u32 = 4;
 pub fn pack(
     charts: &[(&Disk, &UvMap)],
     options: &PackOptions,
-    cancel: &Cancel,
+    run: &Run,
 ) -> Result<Atlas, PackError> {
     let page_size = options.page_size;
     let weights = weights(charts.len(), options)?;
@@ -116,7 +98,7 @@ pub fn pack(
             0.5 * f64::from(options.padding) / f64::from(page_size) + REACH * options.grid.step();
         let (side, cell) = cells(options, finest);
         let sheet = Sheet { pages, side, grow: half / cell, quarters };
-        if let Some(layout) = search(&pieces, &sheet, cancel)? {
+        if let Some(layout) = search(&pieces, &sheet, run)? {
             break (layout, cell);
         }
         (pages, finest) = (2 * pages, COARSE);
@@ -163,6 +145,7 @@ fn weights(charts: usize, options: &PackOptions) -> Result<Vec<f64>, PackError> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::atlas::Grid;
     use crate::atlas::{gutters, rasterise};
     use crate::flatten::{Border, quality, samples};
     use rand::{RngExt, SeedableRng};
@@ -182,7 +165,7 @@ mod tests {
     /// Pack and check what must hold for any charts; returns the atlas and its efficiency.
     fn check(charts: &[(Disk, UvMap)], options: &PackOptions) -> (Atlas, f64) {
         let borrowed: Vec<(&Disk, &UvMap)> = charts.iter().map(|(d, u)| (d, u)).collect();
-        let atlas = pack(&borrowed, options, &Cancel::default()).unwrap();
+        let atlas = pack(&borrowed, options, &Run::quiet()).unwrap();
         let mut triangles = Vec::new();
         let mut borders = Vec::new();
         for (i, (disk, uv)) in charts.iter().enumerate() {
@@ -326,7 +309,7 @@ mod tests {
         }
         let odd = PackOptions { block_align: true, ..options(254, 2) };
         let borrowed: Vec<_> = charts.iter().map(|(d, u)| (d, u)).collect();
-        assert_eq!(pack(&borrowed, &odd, &Cancel::default()), Err(PackError::Blocks(254)));
+        assert_eq!(pack(&borrowed, &odd, &Run::quiet()), Err(PackError::Blocks(254)));
     }
 
     #[test]
@@ -379,19 +362,18 @@ mod tests {
     #[test]
     fn what_cannot_be_packed_is_an_error() {
         let square = samples::plane(1, 1, 1.0, 1.0);
-        let one =
-            |options: &PackOptions| pack(&[(&square.0, &square.1)], options, &Cancel::default());
+        let one = |options: &PackOptions| pack(&[(&square.0, &square.1)], options, &Run::quiet());
         let tight = PackError::PaddingTooLarge { padding: 64, page_size: 64 };
         assert_eq!(one(&options(64, 64)), Err(tight));
         let wrong = PackOptions { weights: vec![1.0, 1.0], ..options(64, 1) };
         assert_eq!(one(&wrong), Err(PackError::Weights));
         let point = vec![DVec2::ONE; 4];
-        let degenerate = pack(&[(&square.0, &point)], &options(64, 1), &Cancel::default());
+        let degenerate = pack(&[(&square.0, &point)], &options(64, 1), &Run::quiet());
         assert_eq!(degenerate, Err(PackError::Degenerate(0)));
-        assert_eq!(pack(&[], &options(64, 1), &Cancel::default()).unwrap().pages, 0);
-        let cancel = Cancel::default();
-        cancel.cancel();
-        let stopped = pack(&[(&square.0, &square.1)], &options(64, 1), &cancel);
+        assert_eq!(pack(&[], &options(64, 1), &Run::quiet()).unwrap().pages, 0);
+        let run = Run::quiet();
+        run.cancel.cancel();
+        let stopped = pack(&[(&square.0, &square.1)], &options(64, 1), &run);
         assert_eq!(stopped, Err(PackError::Canceled(Canceled)));
     }
 }

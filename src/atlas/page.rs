@@ -34,6 +34,11 @@ impl Page {
         Self { side, rows: vec![row; side as usize], free: vec![side; side as usize] }
     }
 
+    /// Bytes of a page of so many cells across.
+    pub fn bytes(side: u32) -> u64 {
+        u64::from(side.min(CELLS)) * (size_of::<[Row; LEVELS]>() + size_of::<u32>()) as u64
+    }
+
     /// The lowest, then leftmost, cell on which the mask's lower left cell can be put, not below
     /// row `from` and so that the mask ends below row `end`. `work` counts the rows looked at.
     pub fn find(&self, mask: &Mask, from: u32, end: u32, work: &mut u64) -> Option<(u32, u32)> {

@@ -33,6 +33,12 @@ const BAND: usize = 1 << 24;
 /// No chart.
 const NOBODY: u32 = u32::MAX;
 
+/// Bytes that rasterising pages of this many texels across takes.
+pub fn raster_bytes(page_size: u32) -> u64 {
+    let texels = u64::from(page_size).pow(2).min((BAND as u64).max(u64::from(page_size)));
+    texels * (size_of::<u32>() + size_of::<bool>()) as u64
+}
+
 /// Rasterise charts, each given by its page and its triangles' corners in [0, 1]², at `page_size`
 /// texels across.
 pub fn rasterise(charts: &[PageTriangles], pages: u32, page_size: u32) -> Coverage {

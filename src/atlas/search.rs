@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::arrangement::{Arrangement, ORDERS};
 use super::mask::{Mask, Outline};
 use super::page::Page;
-use crate::contract::{Cancel, Canceled};
+use crate::contract::{Canceled, GaveUp, Run, Scarce, Stage};
 use crate::device::Seeded;
 
 /// Rows looked at after which nothing further is begun: about a second of one core.
@@ -102,15 +102,19 @@ pub(super) struct Layout {
 pub(super) fn search(
     pieces: &[Piece],
     sheet: &Sheet,
-    cancel: &Cancel,
+    run: &Run,
 ) -> Result<Option<Layout>, Canceled> {
-    let mut search = Search { pieces, sheet, cancel, rank: ranks(pieces), work: 0 };
+    let mut search = Search { pieces, sheet, run, rank: ranks(pieces), work: 0 };
     let by_size = Arrangement::largest_first(pieces, 0);
     let Some(mut best) = search.bracket(&by_size, None)? else { return Ok(None) };
+    if search.bytes() > run.budget.spare_bytes() {
+        run.give_up(Stage::Pack, GaveUp::Search, Scarce::Memory);
+        return Ok(Some(best));
+    }
     let mut arrangement = by_size;
     for which in 1..ORDERS {
         let other = Arrangement::largest_first(pieces, which);
-        if search.work < WORK
+        if search.goes_on()
             && let Some(denser) = search.bracket(&other, Some(best.density))?
         {
             (best, arrangement) = (denser, other);
@@ -150,7 +154,7 @@ struct Scaled {
 struct Search<'a> {
     pieces: &'a [Piece],
     sheet: &'a Sheet,
-    cancel: &'a Cancel,
+    run: &'a Run,
     /// Place of each chart by size.
     rank: Vec<usize>,
     /// Rows looked at so far.
@@ -158,6 +162,16 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Whether there is work, and time, to spend on a denser arrangement.
+    fn goes_on(&self) -> bool {
+        self.work < WORK && !self.run.skips(Stage::Pack, GaveUp::Search)
+    }
+
+    /// Bytes of a batch of arrangements with all their pages.
+    fn bytes(&self) -> u64 {
+        BATCH * u64::from(self.sheet.pages) * Page::bytes(self.sheet.side)
+    }
+
     /// A density at which the arrangement fits, within a hundredth of one at which it does not;
     /// `None` where there is none, or none above `floor`.
     fn bracket(&mut self, a: &Arrangement, floor: Option<f64>) -> Result<Option<Layout>, Canceled> {
@@ -194,7 +208,8 @@ impl Search<'_> {
     fn climb(&mut self, mut from: Arrangement, mut best: Layout) -> Result<Layout, Canceled> {
         let (mut step, mut left, mut idle, mut batch) = (STEPS[0], f64::INFINITY, 0, 0);
         let mut scaled = self.scaled(best.density * (1.0 + step));
-        while self.work < WORK && idle < END {
+        while idle < END && self.goes_on() {
+            self.run.advance(self.work as f64 / WORK as f64);
             // At a new density the arrangement itself is tried too.
             let unchanged = left.is_infinite();
             let next = |k| match k {
@@ -246,7 +261,7 @@ impl Search<'_> {
         // Where equal boxes were put last: the next fits nowhere below.
         let mut above: HashMap<(usize, u32, u32), u32> = HashMap::new();
         for &i in &a.order {
-            self.cancel.check()?;
+            self.run.cancel.check()?;
             let (piece, turn) = (&self.pieces[i as usize], usize::from(a.turn[i as usize]));
             let solid = self.rank[i as usize] >= SHAPES;
             let masks = scaled.masks[i as usize][turn].get_or_init(|| {

@@ -17,7 +17,7 @@ use super::split::halves;
 use super::straighten::straighten;
 use super::tube::{self, Tube};
 use super::visibility::visibility;
-use crate::contract::{Canceled, Run};
+use crate::contract::{Canceled, GaveUp, Run, Stage, Steps, UnwrapOptions};
 use crate::device::Seeded;
 use crate::flatten;
 use crate::mesh::{NONE, Surface};
@@ -37,11 +37,20 @@ const ROUNDS: usize = 3;
 /// … of a piece of so many faces or fewer; one of more gets the fewer of them, but one.
 const ROUND_FACES: usize = 60_000;
 
+/// Steps of a piece that progress is counted by: patches, the first joining, the others, the last moves.
+const STEPS: usize = 4;
+
 /// What the cut is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChartOptions {
     /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
     pub distortion_bound: f64,
+}
+
+impl From<&UnwrapOptions> for ChartOptions {
+    fn from(options: &UnwrapOptions) -> Self {
+        Self { distortion_bound: options.distortion_bound }
+    }
 }
 
 /// Cut every part into charts. `part_of` has one part a face ([`NONE`] for faces in no chart).
@@ -95,7 +104,10 @@ pub fn build_jointly(
     let seen = visibility.as_deref();
     let usable = surface.usable.iter().filter(|&&u| u).count();
     let restarts = (RESTARTS * RESTARTED_FACES / usable.max(1)).min(RESTARTS) as u64;
-    let how = How { surface, seen, openness, restarts, limits: &limits, run };
+    // Training the seams was the first half.
+    let from = if openness.is_some() { 0.5 } else { 0.0 };
+    let steps = Some(run.steps(STEPS * usable, from, 1.0));
+    let how = How { surface, seen, openness, restarts, limits: &limits, run, steps };
     let parts: Result<Vec<Built>, Canceled> = faces
         .into_par_iter()
         .enumerate()
@@ -119,7 +131,8 @@ pub fn split_chart(
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let limits = Limits::new(surface, options.distortion_bound);
-    let how = How { surface, seen: None, openness: None, restarts: 0, limits: &limits, run };
+    let (restarts, steps) = (0, None);
+    let how = How { surface, seen: None, openness: None, restarts, limits: &limits, run, steps };
     let mut built = Built::default();
     for half in halves(&mesh, &all) {
         let faces = half.iter().map(|&f| mesh.faces[f as usize]).collect();
@@ -138,9 +151,18 @@ struct How<'a> {
     restarts: u64,
     limits: &'a Limits,
     run: &'a Run,
+    /// Where progress is counted.
+    steps: Option<Steps<'a>>,
 }
 
 impl How<'_> {
+    /// One of the [`STEPS`] of a piece is done.
+    fn step(&self, mesh: &PartMesh) {
+        if let Some(steps) = &self.steps {
+            steps.add(mesh.len());
+        }
+    }
+
     fn build(&self, part: u32, faces: Vec<u32>) -> Result<Built, Canceled> {
         let mesh = PartMesh::new(self.surface, faces);
         let mut built = Built::default();
@@ -167,10 +189,15 @@ impl How<'_> {
     ) -> Result<(), Canceled> {
         let (limits, run) = (self.limits, self.run);
         let work = patchwork(mesh, sides, limits, run)?;
+        self.step(mesh);
         let mut best = join(work.clone(), None, limits, run)?;
+        self.step(mesh);
         let mut control = objective(&best, limits);
         let restarts = if work.faces.len() >= LEAST_PATCHES { self.restarts } else { 0 };
         for k in 0..restarts {
+            if run.skips(Stage::Charts, GaveUp::Joining) {
+                break;
+            }
             let mut random = Seeded::new(0, k);
             let order: Vec<f32> = mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
             let other = join(work.clone(), Some(&order), limits, run)?;
@@ -191,10 +218,12 @@ impl How<'_> {
                 best = other;
             }
         }
+        self.step(mesh);
         shorten(&mut best, limits);
         let divided = compact(&mut best, limits, run)?;
         straighten(&mut best, &divided, limits, run)?;
         built.charts.extend(charts(&best, part, tube, sides));
+        self.step(mesh);
         Ok(())
     }
 }

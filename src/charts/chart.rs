@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::contract::ShapeKind;
+pub use crate::contract::StartKind;
 use crate::flatten::{Disk, StartMap, UvMap};
 
 /// What shape a chart was taken for (paper 2.3.1: cylinders are treated apart).
@@ -21,26 +23,6 @@ pub enum ChartShape {
         /// Change of radius along the axis (0 for a cylinder).
         taper: f64,
     },
-}
-
-/// How a start map was made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum StartKind {
-    /// Projected: the chart is flat.
-    Planar,
-    /// Unrolled from a cylinder or cone, in closed form.
-    Unroll,
-    /// Unfolded triangle by triangle along a dual tree (exact on developable charts).
-    Unfold,
-    /// Least squares conformal map.
-    #[default]
-    Lscm,
-    /// Tutte's embedding in a disk: always injective.
-    Tutte,
-    /// The maps of the patches that were joined, each next to the other: where LSCM flips.
-    Weld,
-    /// Taken from uvunwrap.
-    Uvunwrap,
 }
 
 /// Faces that are flattened together.
@@ -76,28 +58,13 @@ impl From<StartMap> for StartKind {
     }
 }
 
-impl StartKind {
-    /// The kind as it is written in the metrics.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Planar => "planar",
-            Self::Unroll => "unroll",
-            Self::Unfold => "unfold",
-            Self::Lscm => "lscm",
-            Self::Tutte => "tutte",
-            Self::Weld => "weld",
-            Self::Uvunwrap => "uvunwrap",
-        }
-    }
-}
-
 impl ChartShape {
-    /// The shape as it is written in the metrics.
-    pub fn as_str(&self) -> &'static str {
+    /// The shape as the metrics tell it.
+    pub fn kind(&self) -> ShapeKind {
         match self {
-            Self::General => "general",
-            Self::Tubular { taper, .. } if taper.abs() > 0.01 => "cone",
-            Self::Tubular { .. } => "cylinder",
+            Self::General => ShapeKind::General,
+            Self::Tubular { taper, .. } if taper.abs() > 0.01 => ShapeKind::Cone,
+            Self::Tubular { .. } => ShapeKind::Cylinder,
         }
     }
 }

@@ -17,7 +17,7 @@ use super::attempt::Attempt;
 use super::candidates::{self, Candidate};
 use super::limits::Limits;
 use super::patchwork::Patchwork;
-use crate::contract::{Canceled, Run};
+use crate::contract::{Canceled, GaveUp, Run, Stage};
 
 /// Faces that all attempts together may flatten, per face of the part …
 const WORK_PER_FACE: usize = 24;
@@ -149,7 +149,7 @@ pub fn merge(
     loop {
         run.cancel.check()?;
         let batch = queue.batch(work, limits, &mut allowance);
-        if batch.is_empty() {
+        if batch.is_empty() || run.skips(Stage::Charts, GaveUp::Joining) {
             break;
         }
         let solved: Result<Vec<_>, Canceled> =

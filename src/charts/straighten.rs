@@ -17,7 +17,7 @@ use super::fit::{Fit, refine};
 use super::limits::Limits;
 use super::part_mesh::Piece;
 use super::patchwork::Patchwork;
-use crate::contract::{Canceled, Run};
+use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{Flow, NONE};
 
 /// Width of the collar on each side, over the size (√area) of the smaller chart. Halved where it would
@@ -57,6 +57,9 @@ pub fn straighten(
     }
     while !pairs.is_empty() {
         run.cancel.check()?;
+        if run.skips(Stage::Charts, GaveUp::Joining) {
+            break;
+        }
         // Pairs with no chart in common, so that they can be moved at the same time.
         let (mut batch, mut busy) = (Vec::new(), BTreeSet::new());
         pairs.retain(|&pair| {

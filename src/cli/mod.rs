@@ -5,7 +5,10 @@ mod demo;
 mod doctor;
 mod input;
 mod openapi;
+mod options;
+mod outputs;
 mod progress_bar;
+mod reference;
 mod segment;
 pub mod serve;
 mod signals;
@@ -49,6 +52,9 @@ enum Command {
     Train(train::Args),
     /// Print the OpenAPI description of the service.
     Openapi(openapi::Args),
+    /// Write the reference of options, files, warnings and error codes from the tables in the source.
+    #[command(hide = true)]
+    Reference(reference::Args),
 }
 
 /// Run the program. Errors go to standard error with their causes.
@@ -64,6 +70,7 @@ pub fn main() -> ExitCode {
         Command::Synth(args) => synth::run(args),
         Command::Train(args) => train::run(args),
         Command::Openapi(args) => openapi::run(args),
+        Command::Reference(args) => reference::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

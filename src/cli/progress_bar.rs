@@ -31,8 +31,8 @@ pub fn run(options: &UnwrapOptions) -> (Run, ProgressBar) {
                 shown.set_message(format!("{} {parts_done}/{parts_total}", stage.as_str()));
                 shown.set_position(position(stage, fraction));
             }
-            Progress::Warning { message, .. } => {
-                let line = format!("warning: {message}");
+            Progress::Warning(warning) => {
+                let line = format!("warning: {}", warning.message);
                 if shown.is_hidden() { eprintln!("{line}") } else { shown.println(line) }
             }
             Progress::PartCompleted { .. } => {}

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 
 use super::input::Files;
+use super::options::valid;
 use super::progress_bar;
-use super::weights::Weights;
-use crate::contract::{Limits, Seed, SegmentationSource, StopAfter, UnwrapOptions};
-use crate::device::{DeviceChoice, choose};
+use super::weights::WeightFlags;
+use crate::contract::{ArtifactKind, Limits, Seed, SegmentationSource, StopAfter, UnwrapOptions};
+use crate::device::DeviceChoice;
 use crate::pipeline;
 
 /// Arguments of `uvsegnet segment`.
@@ -29,14 +30,14 @@ pub struct Args {
     #[arg(long, default_value_t = UnwrapOptions::default().part_boundary)]
     pub part_boundary: f64,
     /// MiB of memory it may use.
-    #[arg(long, default_value_t = 8192)]
+    #[arg(long, default_value_t = UnwrapOptions::default().budget_mib)]
     pub budget_mib: u64,
     /// Labels that are known already.
     #[arg(long)]
     pub labels: Option<PathBuf>,
     /// Which weights the network has.
     #[command(flatten)]
-    pub weights: Weights,
+    pub weights: WeightFlags,
     /// Where the network runs: cpu, gpu, gpu:N, auto.
     #[arg(long, default_value_t)]
     pub device: DeviceChoice,
@@ -47,9 +48,6 @@ pub struct Args {
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    args.weights.apply();
-    let device = choose(&args.device)?;
-    let files = Files::read(&args.input, args.labels.as_deref())?;
     let options = UnwrapOptions {
         segmentation: args.segmentation,
         seed: args.seed,
@@ -58,15 +56,15 @@ pub fn run(args: Args) -> Result<()> {
         stop_after: Some(StopAfter::Segmentation),
         ..Default::default()
     };
-    let wanted = match args.output.extension().and_then(|e| e.to_str()) {
-        Some("glb") => "model.glb",
-        Some("json") => "metrics.json",
-        Some("png") => "preview.png",
-        _ => "labels.txt",
-    };
+    valid(&options)?;
+    let files = Files::read(&args.input, args.labels.as_deref())?;
+    let engine = args.weights.engine(&args.device)?;
+    let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let mut kinds = ArtifactKind::ALL.iter().copied();
+    let wanted = kinds.find(|kind| kind.ending() == ending).unwrap_or(ArtifactKind::Labels);
     let (run, bar) = progress_bar::run(&options);
     let result =
-        pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &device, &run);
+        pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &engine, &run);
     bar.finish_and_clear();
     let result = result?;
     let bytes = result.artifact(wanted).context("the result lacks a file")?;

@@ -10,7 +10,7 @@ use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
-use super::weights::Weights;
+use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
@@ -42,7 +42,7 @@ pub struct Args {
     pub device: DeviceChoice,
     /// Which weights the workers have.
     #[command(flatten)]
-    pub weights: Weights,
+    pub weights: WeightFlags,
     /// What is accepted.
     #[command(flatten)]
     pub limits: LimitFlags,

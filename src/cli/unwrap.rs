@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 
 use super::input::Files;
+use super::options::valid;
+use super::outputs::Outputs;
 use super::progress_bar;
-use super::weights::Weights;
+use super::weights::WeightFlags;
 use crate::contract::{Limits, UnwrapOptions};
-use crate::device::{self, DeviceChoice};
+use crate::device::DeviceChoice;
 use crate::pipeline;
 
 /// Arguments of `uvsegnet unwrap`.
@@ -16,18 +18,9 @@ use crate::pipeline;
 pub struct Args {
     /// The mesh: GLB, glTF with data URIs, or OBJ.
     pub input: PathBuf,
-    /// Where the UV'd GLB goes.
-    #[arg(short, long)]
-    pub output: PathBuf,
-    /// Where the metrics go.
-    #[arg(long)]
-    pub metrics: Option<PathBuf>,
-    /// Where the drawing of the UV layout goes (SVG).
-    #[arg(long)]
-    pub layout: Option<PathBuf>,
-    /// Where the picture goes (PNG).
-    #[arg(long)]
-    pub preview: Option<PathBuf>,
+    /// Where the files go.
+    #[command(flatten)]
+    pub outputs: Outputs,
     /// Part labels: one integer a line, line i for face i, −1 unknown.
     #[arg(long)]
     pub labels: Option<PathBuf>,
@@ -36,43 +29,22 @@ pub struct Args {
     pub device: DeviceChoice,
     /// Which weights the network has.
     #[command(flatten)]
-    pub weights: Weights,
+    pub weights: WeightFlags,
     #[command(flatten)]
     pub options: UnwrapOptions,
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    if let Err(errors) = args.options.validate() {
-        let lines: Vec<String> = errors
-            .iter()
-            .map(|e| {
-                format!("--{} {}", e.pointer.trim_start_matches('/').replace('_', "-"), e.detail)
-            })
-            .collect();
-        bail!("{}", lines.join("\n"));
-    }
-    args.weights.apply();
+    valid(&args.options)?;
     let files = Files::read(&args.input, args.labels.as_deref())?;
-    let device = device::choose(&args.device)?;
+    let engine = args.weights.engine(&args.device)?;
     let (run, bar) = progress_bar::run(&args.options);
     let result =
-        pipeline::unwrap_input(&files.input(), &args.options, &Limits::default(), &device, &run);
+        pipeline::unwrap_input(&files.input(), &args.options, &Limits::default(), &engine, &run);
     bar.finish_and_clear();
     let unwrapped = result?;
-    for artifact in unwrapped.artifacts() {
-        let path = match artifact.name {
-            "model.glb" => Some(&args.output),
-            "metrics.json" => args.metrics.as_ref(),
-            "uv_layout.svg" => args.layout.as_ref(),
-            "preview.png" => args.preview.as_ref(),
-            _ => None,
-        };
-        if let Some(path) = path {
-            std::fs::write(path, &artifact.bytes)
-                .with_context(|| format!("cannot write {}", path.display()))?;
-        }
-    }
+    args.outputs.write(&unwrapped)?;
     eprintln!("{}", unwrapped.summary());
     Ok(())
 }

@@ -1,16 +1,19 @@
-//! Which weights the segmentation network has.
+//! Which weights the segmentation network has, and where it runs.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use anyhow::Result;
 use clap::ValueEnum;
 
+use crate::device::{DeviceChoice, choose};
+use crate::pipeline::Engine;
+use crate::segmentation::Weights;
 use crate::segmentation::point_mae::ModelSize;
-use crate::segmentation::use_weights;
 
 /// Weights in place of those that ship.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub struct Weights {
+pub struct WeightFlags {
     /// Weights of the segmentation network, as safetensors; those that ship if absent.
     #[arg(long, value_name = "FILE", env = "UVSEGNET_WEIGHTS")]
     pub weights: Option<PathBuf>,
@@ -19,7 +22,7 @@ pub struct Weights {
     pub weights_size: ModelSize,
 }
 
-impl Weights {
+impl WeightFlags {
     /// The same, for another process.
     pub fn flags(&self) -> Vec<OsString> {
         let Some(file) = &self.weights else { return Vec::new() };
@@ -28,10 +31,16 @@ impl Weights {
         vec!["--weights".into(), file.into(), "--weights-size".into(), size.into()]
     }
 
-    /// Use them in this process.
-    pub fn apply(&self) {
-        if let Some(file) = &self.weights {
-            use_weights(file.clone(), self.weights_size);
-        }
+    /// The weights themselves.
+    pub fn weights(&self) -> Result<Weights> {
+        Ok(match &self.weights {
+            Some(file) => Weights::read(file, self.weights_size)?,
+            None => Weights::shipped(),
+        })
+    }
+
+    /// These weights on a device.
+    pub fn engine(&self, device: &DeviceChoice) -> Result<Engine> {
+        Ok(Engine { device: choose(device)?, weights: self.weights()? })
     }
 }

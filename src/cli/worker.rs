@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-use super::weights::Weights;
+use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::jobs::{Blobs, SqliteConfig, SqliteQueue};
@@ -29,7 +29,7 @@ pub struct Args {
     pub device: DeviceChoice,
     /// Which weights the network has.
     #[command(flatten)]
-    pub weights: Weights,
+    pub weights: WeightFlags,
     /// Id of this worker, which no other has or had; drawn if not given.
     #[arg(long)]
     pub id: Option<String>,
@@ -48,7 +48,6 @@ pub struct Args {
 /// Work until told to stop.
 pub fn run(args: Args) -> Result<()> {
     telemetry::init();
-    args.weights.apply();
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     if runtime.block_on(work(args))? {
         // Without waiting for the pipeline's thread, which may be what must be got rid of.
@@ -74,6 +73,7 @@ async fn work(args: Args) -> Result<bool> {
         blobs: Blobs::local(&args.data.blobs())?,
         presence: args.data.workers(),
         device: args.device,
+        weights: args.weights.weights()?,
         limits: args.limits.limits(),
         drain,
         drain_timeout: args.times.drain_timeout(),

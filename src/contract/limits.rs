@@ -15,8 +15,10 @@ pub struct Limits {
     pub json_bytes: u64,
     /// Depth of the node hierarchy.
     pub node_depth: u32,
-    /// Seconds a job may run.
+    /// Seconds a job may run: a job's `budget_s` is cut to it.
     pub job_seconds: u64,
+    /// MiB a job may use: a job's `budget_mib` is cut to it.
+    pub job_mib: u64,
     /// Jobs that may wait in the queue.
     pub queued_jobs: u64,
 }
@@ -29,6 +31,7 @@ impl Default for Limits {
             json_bytes: 16 << 20,
             node_depth: 64,
             job_seconds: 600,
+            job_mib: 6144,
             queued_jobs: 100,
         }
     }

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::Certificate;
+use super::{Certificate, ChartForm, SegmentationSource, ShapeKind, StartKind};
 
 /// An area-weighted per-face figure.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
@@ -212,8 +212,8 @@ pub struct PartMetrics {
     pub id: u32,
     /// Its name.
     pub name: String,
-    /// Which source decided: authored, labels, geometric or learned.
-    pub source: String,
+    /// Which source decided.
+    pub source: SegmentationSource,
     /// How sure that source was, 0 to 1.
     pub confidence: f64,
     /// How many faces.
@@ -234,19 +234,6 @@ pub struct PartJoin {
     pub b: u32,
     /// How likely a part ends between them, 0 to 1. A later join may be more certain than an earlier one.
     pub boundary: f64,
-}
-
-/// How a chart's map was made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ChartForm {
-    /// A network was trained, and its map was as good as or better than the control.
-    Trained,
-    /// The start map, polished: isometric already, not worth training, or better than the network.
-    #[default]
-    Start,
-    /// The classical fallback.
-    Uvunwrap,
 }
 
 /// Seams found by training them with the maps, against joining alone.
@@ -294,10 +281,10 @@ pub struct ChartMetrics {
     pub page: u32,
     /// How many faces.
     pub faces: u64,
-    /// What shape it was taken for: cylinder, cone, or general.
-    pub shape: String,
-    /// How its start map was made: unroll, unfold, planar, lscm, tutte, weld or uvunwrap.
-    pub start: String,
+    /// What shape it was taken for.
+    pub shape: ShapeKind,
+    /// How its start map was made.
+    pub start: StartKind,
     /// How its map was made.
     pub form: ChartForm,
     /// Whether the start was isometric already, so that there was nothing to train.
@@ -329,6 +316,10 @@ pub struct Repairs {
     pub reoriented_faces: u64,
     /// Faces that stand twice, with both windings.
     pub double_sided_faces: u64,
+    /// Faces with more texels than their part's density asks for, since single precision would flatten
+    /// them.
+    #[serde(default)]
+    pub enlarged_faces: u64,
 }
 
 /// Time of one stage.
@@ -367,15 +358,21 @@ pub struct Units {
     pub length: String,
 }
 
+impl Default for Units {
+    fn default() -> Self {
+        Self { length: "world".into() }
+    }
+}
+
 /// `metrics.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Metrics {
     /// Version of this shape.
     pub schema: u32,
-    /// Whether the result is a function of input, options, version and device alone. False when
+    /// Whether the result is a function of input, options, version, weights and device alone. False when
     /// the clock made a stage take its cheaper form; `degraded` names the stages.
     pub deterministic: bool,
-    /// Stages that the clock or the counted work degraded, with a sentence each.
+    /// Stages that took a cheaper form for want of time or memory, with a sentence each.
     pub degraded: Vec<String>,
     /// Units.
     pub units: Units,
@@ -391,6 +388,9 @@ pub struct Metrics {
     pub repairs: Repairs,
     /// Version of the program.
     pub engine: String,
+    /// `sha256:…` of the segmentation network's weights; null where it was not asked.
+    #[schema(required)]
+    pub weights: Option<String>,
     /// Device that trained: its name as `uvsegnet doctor` prints it.
     pub device: String,
     /// What it cost.

@@ -2,28 +2,39 @@
 //! OpenAPI) and the pipeline use these same types, so that they cannot drift apart. No algorithm
 //! lives here and nothing here knows another module.
 
+mod artifact;
 mod budget;
 mod cancel;
 mod certificate;
+mod chart_words;
+mod clock;
 mod density;
 mod error_code;
 mod limits;
 mod mesh_kind;
 mod metrics;
+mod option_table;
 mod option_values;
 mod options;
 mod progress;
+mod run;
+mod warning;
 
-pub use budget::Budget;
+pub use artifact::{ArtifactKind, Written};
+pub use budget::{Budget, Degradation, GaveUp, Scarce};
 pub use cancel::{Cancel, Canceled};
 pub use certificate::Certificate;
+pub use chart_words::{ChartForm, ShapeKind, StartKind};
 pub use density::weights as density_weights;
 pub use error_code::{ErrorCode, JobError};
 pub use limits::Limits;
 pub use mesh_kind::MeshKind;
 pub use metrics::*;
+pub use option_table::{OptionGroup, OptionInfo};
 pub use option_values::{
     AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
 };
 pub use options::{OptionError, UnwrapOptions};
-pub use progress::{Progress, Run, Stage};
+pub use progress::{Progress, Stage};
+pub use run::{Run, Steps};
+pub use warning::{Warning, WarningCode};

@@ -3,9 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-use clap::ValueEnum;
+use clap::{Arg, ArgMatches, ValueEnum};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::ToSchema;
+
+use super::option_table::{OptionValue, text_flag, word_flag, words_of};
 
 macro_rules! value {
     ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident),* $(,)? }) => {
@@ -21,6 +23,20 @@ macro_rules! value {
                 f.write_str(value.as_deref().unwrap_or_default())
             }
         }
+
+        impl OptionValue for $name {
+            fn flag(&self, arg: Arg) -> Arg {
+                word_flag(self, arg)
+            }
+
+            fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
+                matches.remove_one(name)
+            }
+
+            fn words() -> Vec<(String, String)> {
+                words_of::<Self>()
+            }
+        }
     };
 }
 
@@ -30,11 +46,11 @@ value! {
         /// Fuse what is there and say which source decided.
         #[default]
         Auto,
-        /// A trained network.
+        /// What a trained network sees, alone.
         Learned,
         /// Nodes, primitives, materials and connected components.
         Authored,
-        /// Creases, concavity and proxies; needs no weights.
+        /// A rule over contact, concavity, thickness, size and how well simple shapes fit; needs no weights.
         Geometric,
         /// One label a face, given with the request.
         Labels,
@@ -145,6 +161,16 @@ impl FromStr for Seed {
         s.parse()
             .map(Self)
             .map_err(|_| format!("expected an integer from 0 to 2^64 - 1, not {s:?}"))
+    }
+}
+
+impl OptionValue for Seed {
+    fn flag(&self, arg: Arg) -> Arg {
+        text_flag(self, arg)
+    }
+
+    fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
+        matches.remove_one(name)
     }
 }
 

@@ -1,136 +1,78 @@
 //! The options of a job: one struct that is the JSON of a request, the query of a raw upload and
 //! the flags of the command line.
 
-use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::density::weights;
+use super::option_table::options;
 use super::{
     AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
 };
 
-/// Everything that a job can be told. JSON and query keys are snake_case, flags kebab-case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema, Args)]
-#[serde(default, deny_unknown_fields)]
-pub struct UnwrapOptions {
-    /// Where the parts come from.
-    #[arg(long, value_enum, default_value_t)]
-    pub segmentation: SegmentationSource,
-    /// Which form of the training losses.
-    #[arg(long, value_enum, default_value_t)]
-    pub losses: LossForm,
-    /// What happens to faces that stand twice, with both windings.
-    #[arg(long, value_enum, default_value_t)]
-    pub double_sided: DoubleSided,
-    /// How many atlases a scene gets.
-    #[arg(long, value_enum, default_value_t)]
-    pub atlas: AtlasGrouping,
-    /// Which TEXCOORD set to write, 0 to 7.
-    #[arg(long, default_value_t = 0)]
-    #[schema(minimum = 0, maximum = 7)]
-    pub uv_channel: u8,
-    /// Side of the square atlas page in texels, 64 to 16384.
-    #[arg(long, default_value_t = 1024)]
-    #[schema(minimum = 64, maximum = 16384)]
-    pub page_size: u32,
-    /// Least gutter between two charts in texels, 0 to 64.
-    #[arg(long, default_value_t = 2)]
-    #[schema(minimum = 0, maximum = 64)]
-    pub padding: u32,
-    /// How charts may be turned when they are placed.
-    #[arg(long, value_enum, default_value_t)]
-    pub rotation: Rotation,
-    /// Keep charts to whole blocks of 4 × 4 texels that no other chart touches, for block-compressed
-    /// textures; `page_size` must be a multiple of 4.
-    #[arg(long)]
-    pub block_align: bool,
-    /// Most pages that an atlas is spread over, 1 to 64; more are used only where the charts fit on
-    /// so many at no density.
-    #[arg(long, default_value_t = 1)]
-    #[schema(minimum = 1, maximum = 64)]
-    pub pages: u32,
-    /// Write page k, counted from 0, to UDIM tile 1001 + k: u is moved by k mod 10 and v, upwards,
-    /// by k div 10. Otherwise all pages share [0, 1]².
-    #[arg(long)]
-    pub udim: bool,
-    /// Texel density of parts relative to the others, as in `0=2,seat=0.5`: numbers or names of
-    /// parts as in metrics.json, factors from 0.01 to 100.
-    #[arg(long)]
-    pub density: Option<String>,
-    /// Neighbouring regions are one part if the probability that a part ends between them is at most
-    /// this, 0 to 1: lower gives more parts.
-    #[arg(long, default_value_t = 0.55)]
-    #[schema(minimum = 0.0, maximum = 1.0)]
-    pub part_boundary: f64,
-    /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1.
-    #[arg(long, default_value_t = 0.01)]
-    #[schema(exclusive_minimum = 0.0)]
-    pub distortion_bound: f64,
-    /// Most charts to aim for; null for no aim. Validity comes first.
-    #[arg(long)]
-    #[schema(minimum = 1)]
-    pub max_charts: Option<u32>,
-    /// How much work goes into the maps.
-    #[arg(long, value_enum, default_value_t)]
-    pub quality: Quality,
-    /// Width of the mappers' hidden layers, 8 to 512.
-    #[arg(long, default_value_t = 64)]
-    #[schema(minimum = 8, maximum = 512)]
-    pub width: u32,
-    /// Most training steps of a job, 1 to 100000.
-    #[arg(long, default_value_t = 200)]
-    #[schema(minimum = 1, maximum = 100000)]
-    pub steps: u32,
-    /// Points a chart is trained on, 64 to 16384.
-    #[arg(long, default_value_t = 512)]
-    #[schema(minimum = 64, maximum = 16384)]
-    pub points: u32,
-    /// Seed of everything that is drawn at random; a string in JSON above 2^53.
-    #[arg(long, default_value_t)]
-    #[schema(value_type = u64)]
-    pub seed: Seed,
-    /// Wall-clock seconds the job may use.
-    #[arg(long, default_value_t = 600.0)]
-    #[schema(exclusive_minimum = 0.0)]
-    pub budget_s: f64,
-    /// MiB of memory the job may use.
-    #[arg(long, default_value_t = 4096)]
-    #[schema(minimum = 64)]
-    pub budget_mib: u64,
-    /// Where the job ends early; null to run it whole.
-    #[arg(long, value_enum)]
-    pub stop_after: Option<StopAfter>,
-}
+/// Bytes of the option `density`.
+const MOST_DENSITY: usize = 65536;
 
-impl Default for UnwrapOptions {
-    fn default() -> Self {
-        Self {
-            segmentation: Default::default(),
-            losses: Default::default(),
-            double_sided: Default::default(),
-            atlas: Default::default(),
-            uv_channel: 0,
-            page_size: 1024,
-            padding: 2,
-            rotation: Default::default(),
-            block_align: false,
-            pages: 1,
-            udim: false,
-            density: None,
-            part_boundary: 0.55,
-            distortion_bound: 0.01,
-            max_charts: None,
-            quality: Default::default(),
-            width: 64,
-            steps: 200,
-            points: 512,
-            seed: Seed(0),
-            budget_s: 600.0,
-            budget_mib: 4096,
-            stop_after: None,
-        }
+options! {
+    /// Everything that a job can be told. JSON and query keys are snake_case, flags kebab-case.
+    pub struct UnwrapOptions {
+        /// Where the parts come from.
+        segmentation: SegmentationSource = SegmentationSource::Auto, Parts;
+        /// Which form of the training losses.
+        losses: LossForm = LossForm::Sound, Maps;
+        /// What happens to faces that stand twice, with both windings.
+        double_sided: DoubleSided = DoubleSided::Separate, Charts;
+        /// How many atlases a scene gets.
+        atlas: AtlasGrouping = AtlasGrouping::Scene, Pages;
+        /// Which TEXCOORD set to write.
+        uv_channel: u8 = 0, Pages, 0..=7;
+        /// Side of the square atlas page.
+        page_size: u32 = 1024, Pages, 64..=16384 "texels";
+        /// Least gutter between two charts.
+        padding: u32 = 2, Pages, 0..=64 "texels";
+        /// How charts may be turned when they are placed.
+        rotation: Rotation = Rotation::Free, Pages;
+        /// Keep charts to whole blocks of 4 × 4 texels that no other chart touches, for block-compressed
+        /// textures; `page_size` must be a multiple of 4.
+        block_align: bool = false, Pages;
+        /// Most pages that an atlas is spread over; more are used only where the charts fit on so many at
+        /// no density.
+        pages: u32 = 1, Pages, 1..=64 "pages";
+        /// Write page k, counted from 0, to UDIM tile 1001 + k: u is moved by k mod 10 and v, upwards,
+        /// by k div 10. Otherwise all pages share [0, 1]².
+        udim: bool = false, Pages;
+        /// Texel density of parts relative to the others, as in `0=2,seat=0.5`: numbers or names of
+        /// parts as in metrics.json, factors from 0.01 to 100.
+        #[schema(max_length = 65536)]
+        density: Option<String> = None, Pages;
+        /// Neighbouring regions are one part if the probability that a part ends between them is at most
+        /// this: lower gives more parts.
+        part_boundary: f64 = 0.55, Parts, 0.0..=1.0;
+        /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1. Larger gives fewer
+        /// charts.
+        distortion_bound: f64 = 0.01, Charts, 0.000000001..=1000.0;
+        /// Most charts to aim for; null for no aim. Validity comes first.
+        max_charts: Option<u32> = None, Charts, 1..=10000000 "charts";
+        /// How much work goes into the maps.
+        quality: Quality = Quality::Balanced, Maps;
+        /// Width of the mappers' hidden layers.
+        width: u32 = 64, Maps, 8..=512 "units";
+        /// Most training steps of a job.
+        steps: u32 = 200, Maps, 1..=100000 "steps";
+        /// Points a chart is trained on.
+        points: u32 = 512, Maps, 64..=16384 "points";
+        /// Seed of the samples and of the training; a string in JSON above 2^53.
+        #[schema(value_type = u64)]
+        seed: Seed = Seed(0), Job;
+        /// Wall-clock seconds the job may use; null for as many as it takes. As they run out stages take
+        /// their cheaper forms, and the metrics say which; the result is then no longer a function of the
+        /// input alone.
+        budget_s: Option<f64> = None, Job, 0.001..=1000000.0 "seconds";
+        /// Memory the job may use, counted from the input and the options.
+        budget_mib: u64 = 6144, Job, 64..=1048576 "MiB";
+        /// Where the job ends early; null to run it whole.
+        stop_after: Option<StopAfter> = None, Job;
     }
 }
 
@@ -187,42 +129,23 @@ impl UnwrapOptions {
         Self::from_json(&Value::Object(object))
     }
 
-    /// Check every range.
+    /// Check every range, and what one option asks of another. Whatever passes here is run.
     pub fn validate(&self) -> Result<(), Vec<OptionError>> {
-        let mut errors = Vec::new();
-        let mut check = |name: &str, ok: bool, want: &str, got: String| {
-            if !ok {
-                let detail = format!("must be {want}, not {got}");
-                errors.push(OptionError { pointer: format!("/{name}"), detail });
-            }
+        let mut errors = self.outside();
+        let mut wrong = |name: &str, detail: String| {
+            errors.push(OptionError { pointer: format!("/{name}"), detail });
         };
-        let positive = |x: f64| x.is_finite() && x > 0.0;
-        check("uv_channel", self.uv_channel <= 7, "from 0 to 7", self.uv_channel.to_string());
-        let page = (64..=16384).contains(&self.page_size);
-        check("page_size", page, "from 64 to 16384", self.page_size.to_string());
-        let blocks = !self.block_align || self.page_size.is_multiple_of(4);
-        let want = "a multiple of 4 with block_align";
-        check("page_size", blocks, want, self.page_size.to_string());
-        check("pages", (1..=64).contains(&self.pages), "from 1 to 64", self.pages.to_string());
-        if let Some(text) = &self.density
-            && let Err(want) = weights(text)
-        {
-            check("density", false, &want, format!("{text:?}"));
+        if self.block_align && !self.page_size.is_multiple_of(4) {
+            let got = self.page_size;
+            wrong("page_size", format!("must be a multiple of 4 with block_align, not {got}"));
         }
-        check("padding", self.padding <= 64, "from 0 to 64", self.padding.to_string());
-        let share = (0.0..=1.0).contains(&self.part_boundary);
-        check("part_boundary", share, "0 to 1", self.part_boundary.to_string());
-        let bound = positive(self.distortion_bound);
-        check("distortion_bound", bound, "above 0", self.distortion_bound.to_string());
-        let most = self.max_charts.is_none_or(|n| n >= 1);
-        check("max_charts", most, "1 or more, or null", format!("{:?}", self.max_charts));
-        check("width", (8..=512).contains(&self.width), "from 8 to 512", self.width.to_string());
-        let steps = (1..=100_000).contains(&self.steps);
-        check("steps", steps, "from 1 to 100000", self.steps.to_string());
-        let points = (64..=16384).contains(&self.points);
-        check("points", points, "from 64 to 16384", self.points.to_string());
-        check("budget_s", positive(self.budget_s), "above 0", self.budget_s.to_string());
-        check("budget_mib", self.budget_mib >= 64, "64 or more", self.budget_mib.to_string());
+        if let Some(text) = &self.density {
+            if text.len() > MOST_DENSITY {
+                wrong("density", format!("must have at most {MOST_DENSITY} bytes"));
+            } else if let Err(want) = weights(text) {
+                wrong("density", format!("must be {want}, not {text:?}"));
+            }
+        }
         if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
 }

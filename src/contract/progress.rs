@@ -1,12 +1,10 @@
-//! The whole contract between the engine and its front ends (progress bar, event stream): one enum
-//! of progress, and the three things that every long call is given.
-
-use std::sync::Arc;
+//! What the engine tells while it works: one enum, the whole contract between it and its front ends
+//! (progress bar, event stream).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Budget, Cancel, Canceled};
+use super::Warning;
 
 /// The stages of the pipeline, in the order in which a job passes them.
 #[derive(
@@ -70,6 +68,21 @@ impl Stage {
             Stage::Export => "export",
         }
     }
+
+    /// Share of the job's wall clock by which the stage should be over, where the job was given a time: a
+    /// stage that is later takes its cheaper form, so that those behind it get theirs.
+    pub fn deadline(self) -> f64 {
+        match self {
+            Stage::Import | Stage::Condition | Stage::Sample => 0.2,
+            Stage::Segment => 0.25,
+            Stage::Charts => 0.5,
+            Stage::Train => 0.6,
+            Stage::Polish => 0.65,
+            Stage::Pack => 0.75,
+            Stage::Measure | Stage::Preview => 0.85,
+            Stage::Export => 1.0,
+        }
+    }
 }
 
 /// What the engine tells while it works.
@@ -81,15 +94,16 @@ pub enum Progress {
         /// Which one.
         stage: Stage,
     },
-    /// A stage goes on.
+    /// The job goes on.
     Progress {
-        /// Which one.
+        /// The stage that it is in.
         stage: Stage,
-        /// Share of this stage that is done, 0 to 1.
+        /// Share of the job's work that is done, 0 to 1; it never falls. Stages count by the work that is
+        /// expected of them for an input of this size.
         fraction: f64,
-        /// Parts whose charts are finished.
+        /// Parts of which every chart has its map.
         parts_done: u32,
-        /// Parts in all.
+        /// Parts in all; 0 until they are known.
         parts_total: u32,
     },
     /// All charts of a part are final.
@@ -104,53 +118,5 @@ pub enum Progress {
         symmetric_dirichlet: f64,
     },
     /// Something the user should know; the job goes on.
-    Warning {
-        /// A short machine-readable word.
-        code: String,
-        /// A sentence.
-        message: String,
-    },
-}
-
-/// What every long call is given: where to tell progress, when to stop, how much it may use.
-#[derive(Clone)]
-pub struct Run {
-    progress: Arc<dyn Fn(Progress) + Send + Sync>,
-    /// Asked to stop?
-    pub cancel: Cancel,
-    /// How much may be used.
-    pub budget: Arc<Budget>,
-}
-
-impl Run {
-    /// A run that reports to `progress`.
-    pub fn new(
-        progress: impl Fn(Progress) + Send + Sync + 'static,
-        cancel: Cancel,
-        budget: Budget,
-    ) -> Self {
-        Self { progress: Arc::new(progress), cancel, budget: Arc::new(budget) }
-    }
-
-    /// A run that nobody watches, with the default budget.
-    pub fn quiet() -> Self {
-        Self::new(|_| {}, Cancel::default(), Budget::default())
-    }
-
-    /// Tell one thing.
-    pub fn tell(&self, progress: Progress) {
-        (self.progress)(progress);
-    }
-
-    /// Begin a stage: tells it and stops here if the work was canceled.
-    pub fn stage(&self, stage: Stage) -> Result<(), Canceled> {
-        self.cancel.check()?;
-        self.tell(Progress::Stage { stage });
-        Ok(())
-    }
-
-    /// Tell a warning.
-    pub fn warn(&self, code: &str, message: impl Into<String>) {
-        self.tell(Progress::Warning { code: code.into(), message: message.into() });
-    }
+    Warning(Warning),
 }

@@ -45,7 +45,7 @@ pub struct JobBody {
     /// Why it failed; null otherwise.
     #[schema(required)]
     pub error: Option<JobError>,
-    /// What it made.
+    /// What it made; empty until it is over.
     pub artifacts: Vec<ArtifactBody>,
     /// When it was queued.
     #[schema(value_type = String, format = DateTime)]

@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 
 use axum::extract::Path;
 use axum::http::header;
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::{Html, IntoResponse, Redirect, Response};
 use utoipa::openapi::{ContentBuilder, Ref, RefOr, Response as ApiResponse, ResponseBuilder};
 use utoipa::{OpenApi, ToSchema};
 use utoipa_swagger_ui::Config;
@@ -107,6 +107,24 @@ pub async fn redirect() -> Redirect {
     Redirect::permanent("/docs/")
 }
 
+/// `GET /docs/errors`: what each code means; a problem's `type` points here.
+pub async fn errors() -> Response {
+    let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
+    let entry = |code: &ErrorCode| {
+        let (name, status) = (code.as_str(), code.status());
+        let (title, meaning) = (escape(code.title()), escape(code.meaning()));
+        format!("<h2 id=\"{name}\">{name}</h2>\n<p><b>{status} {title}.</b> {meaning}</p>\n")
+    };
+    let entries: String = ErrorCode::ALL.iter().map(entry).collect();
+    let page = format!(
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>UVSegNet: error codes</title>\n\
+         <h1>Error codes</h1>\n<p>They stand in <code>code</code> of every \
+         <code>application/problem+json</code> answer and in <code>error.code</code> of a job that \
+         failed.</p>\n{entries}</html>\n"
+    );
+    ([(header::CONTENT_SECURITY_POLICY, POLICY)], Html(page)).into_response()
+}
+
 /// `GET /docs/`
 pub async fn index() -> Result<Response, Problem> {
     swagger("index.html")
@@ -149,6 +167,16 @@ mod tests {
             !stale,
             "openapi.yaml is stale: run `cargo run --release -- openapi -o openapi.yaml`"
         );
+    }
+
+    #[tokio::test]
+    async fn every_code_is_told_where_its_type_points() {
+        let page = axum::body::to_bytes(errors().await.into_body(), 1 << 20).await.unwrap();
+        let page = std::str::from_utf8(&page).unwrap();
+        for code in ErrorCode::ALL {
+            let name = code.as_str();
+            assert!(page.contains(&format!("id=\"{name}\"")), "{name}");
+        }
     }
 
     #[test]

@@ -82,6 +82,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         split_vertices: split_vertices(&triangles, &usable, &twin),
         reoriented_faces: reversed.iter().filter(|r| **r).count() as u64,
         double_sided_faces: sheet_mate.iter().filter(|&&m| m != NONE).count() as u64,
+        ..Default::default()
     };
     Ok(Surface {
         positions,

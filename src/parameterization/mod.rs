@@ -26,9 +26,9 @@ mod train;
 
 use glam::{DVec2, DVec3};
 
-pub use train::{train, work};
+pub use train::{bytes, train};
 
-use crate::contract::{Canceled, LossForm, UnwrapOptions};
+use crate::contract::{Canceled, LossForm, Stage, UnwrapOptions};
 use crate::flatten::{Disk, UvMap};
 use losses::{CylinderTarget, OverCut};
 
@@ -68,8 +68,8 @@ pub struct TrainOptions {
     pub seed: u64,
     /// Which losses.
     pub form: LossForm,
-    /// Share of the job's wall clock after which training stops with what it has.
-    pub wall_share: f64,
+    /// The stage that it is a part of: when that is late, training stops with what it has.
+    pub stage: Stage,
 }
 
 impl From<&UnwrapOptions> for TrainOptions {
@@ -80,7 +80,7 @@ impl From<&UnwrapOptions> for TrainOptions {
             points: options.points as usize,
             seed: options.seed.0,
             form: options.losses,
-            wall_share: 0.6,
+            stage: Stage::Train,
         }
     }
 }

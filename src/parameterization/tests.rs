@@ -1,18 +1,25 @@
 //! What training promises: it starts at the start map, it lowers the energy, a chart's result depends
 //! on nothing but the chart, the options and the seed, and it stops when it is told to.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::DVec2;
 
 use super::measure::energy;
 use super::scenes::{barrel, bumpy, half_cylinder, plain};
 use super::*;
-use crate::contract::{Budget, Cancel, Run, Stage};
+use crate::contract::{Budget, Cancel, Degradation, GaveUp, Run, Scarce, Stage};
 use crate::device::Device;
 
 fn options(steps: u32) -> TrainOptions {
-    TrainOptions { width: 32, steps, points: 512, seed: 1, form: LossForm::Sound, wall_share: 0.9 }
+    TrainOptions {
+        width: 32,
+        steps,
+        points: 512,
+        seed: 1,
+        form: LossForm::Sound,
+        stage: Stage::Train,
+    }
 }
 
 fn trained(charts: &[TrainChart], options: &TrainOptions) -> Vec<TrainedChart> {
@@ -219,11 +226,14 @@ fn cancel_stops_within_a_step() {
 #[test]
 fn a_spent_budget_ends_training_with_what_there_is() {
     let (disk, start) = barrel(10, 10);
-    let run = Run::new(|_| {}, Cancel::default(), Budget::new(0.0, 4096));
+    let late = Instant::now() - Duration::from_secs(70);
+    let run = Run::new(|_| {}, Cancel::default(), Budget::new(Some(100.0), 4096).since(late));
     let result =
         train(&[plain(&disk, &start, 0)], &options(500), &Device::cpu(), &run, &mut |_, _, _| {});
     assert_eq!(result.unwrap()[0].uv, start);
-    assert_eq!(run.budget.degraded(), [Stage::Train]);
+    let given_up =
+        Degradation { stage: Stage::Train, gave_up: GaveUp::Training, scarce: Scarce::Time };
+    assert_eq!(run.budget.degraded(), [given_up]);
 }
 
 #[test]

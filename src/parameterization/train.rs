@@ -12,7 +12,7 @@ use super::chart::{RESAMPLE, Trainee};
 use super::mapper::{self, Layout};
 use super::step::{step, whole_map};
 use super::{TrainChart, TrainError, TrainOptions, TrainedChart};
-use crate::contract::{Cancel, LossForm, Run, Stage};
+use crate::contract::{Cancel, GaveUp, Run, Scarce};
 use crate::device::{Device, DeviceKind};
 use crate::flatten::{UvMap, rescale};
 
@@ -26,8 +26,8 @@ const BYTES_PER_ROW: usize = 4 * 40;
 /// Train the networks of `charts` and return the best map of each, in the same order.
 ///
 /// `told` hears, after every step, how many of all steps are done, how many there are, and which
-/// charts (by index) are finished. The job's wall clock ends the training early
-/// ([`TrainOptions::wall_share`]); the charts then carry the best map so far.
+/// charts (by index) are finished. Where the stage is late
+/// ([`TrainOptions::stage`]) training ends early; the charts then carry the best map so far.
 ///
 /// # Errors
 /// When the job is canceled, when an array does not fit its disk, or when the device fails.
@@ -62,9 +62,9 @@ pub fn train(
         let mut group = Group::new(trainees, options, device, &run.cancel);
         let mut taken = 0;
         loop {
-            let out_of_time = run.budget.spent(options.wall_share);
+            let out_of_time = run.is_late(options.stage);
             if out_of_time && group.is_unfinished() {
-                run.budget.degrade(Stage::Train);
+                run.give_up(options.stage, GaveUp::Training, Scarce::Time);
             }
             for (index, chart) in group.release(out_of_time)? {
                 done[index] = Some(chart);
@@ -83,15 +83,14 @@ pub fn train(
     Ok(done.into_iter().flatten().collect())
 }
 
-/// Floating-point operations that training a chart of so many vertices may take, for deciding before
-/// a job starts what to train. A processor core does some 20 to 40 thousand million of them a second.
-pub fn work(vertices: usize, options: &TrainOptions) -> f64 {
-    let layout = Layout::new(options.width);
-    let inverse = layout.size() - layout.forward_size();
-    let passes = if options.form == LossForm::Sound { 2 } else { 1 };
-    let weights = passes * layout.forward_size() + inverse;
-    // Forwards, and backwards to the inputs and to the weights, a product and a sum each.
-    6.0 * (weights * vertices.min(options.points)) as f64 * f64::from(options.steps)
+/// Bytes that training a chart of so many vertices takes while it runs.
+pub fn bytes(vertices: usize, options: &TrainOptions) -> u64 {
+    let rows = vertices.min(options.points) as u64;
+    rows.saturating_mul(row_bytes(options))
+}
+
+fn row_bytes(options: &TrainOptions) -> u64 {
+    (BYTES_PER_ROW * options.width.max(1)) as u64
 }
 
 /// Charts that train together.
@@ -215,8 +214,8 @@ fn groups(
     run: &Run,
 ) -> Vec<Range<usize>> {
     let most = if device.kind() == DeviceKind::Cpu { CPU_ROWS } else { GPU_ROWS };
-    let affordable = run.budget.memory_mib() as usize * (1 << 20) / 4;
-    let most = most.min(affordable / (BYTES_PER_ROW * options.width.max(1)));
+    let affordable = run.budget.spare_bytes() / row_bytes(options);
+    let most = most.min(usize::try_from(affordable).unwrap_or(usize::MAX));
     let mut groups: Vec<Range<usize>> = Vec::new();
     // Padding takes memory as well: a group costs its charts times the longest of them.
     let mut longest = 0;

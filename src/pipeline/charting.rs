@@ -1,13 +1,14 @@
 //! The cut, and `max_charts`: where there are more charts than asked for, the distortion bound is
 //! raised step by step. Validity comes first: the aim may be missed, and then a warning says so.
 
-use super::clock::Clock;
-use super::error::UnwrapError;
+use super::engine::Engine;
+use super::error::Cause;
 use super::joint;
-use super::parts::Found;
+use super::parts::Solvers;
 use crate::charts::{self, Arms, Chart, ChartOptions};
-use crate::contract::{JointSeams, Quality, Run, Stage, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{
+    GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions, WarningCode,
+};
 
 /// Times that the bound may be raised.
 const ROUNDS: u32 = 5;
@@ -24,31 +25,35 @@ pub struct Cut {
 }
 
 /// Cut the parts into charts. `Chart::part` is the region's number here.
-pub fn charts(
-    found: &Found,
+pub fn cut(
+    solvers: &Solvers,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    clock: &mut Clock,
-) -> Result<Cut, UnwrapError> {
-    clock.stage(Stage::Charts, run)?;
-    let mut bound = options.distortion_bound;
+) -> Result<Cut, Cause> {
+    run.stage(Stage::Charts)?;
+    let mut how = ChartOptions::from(options);
     // Seams are trained once: a second training would find the time of the first spent.
     let openness = match options.quality {
-        Quality::Best => {
-            let how = ChartOptions { distortion_bound: bound };
-            Some(joint::openness(found, &how, options, device, run)?)
+        Quality::Best if run.is_late(Stage::Segment) => {
+            run.give_up(Stage::Charts, GaveUp::JointSeams, Scarce::Time);
+            None
         }
+        Quality::Best => Some(joint::openness(solvers, &how, options, engine, run)?),
         _ => None,
     };
-    let mut cut = attempt(found, bound, openness.as_deref(), run)?;
+    let mut cut = attempt(solvers, &how, openness.as_deref(), run)?;
     let Some(most) = options.max_charts.map(|m| m as usize) else { return Ok(cut) };
     for _ in 0..ROUNDS {
         if cut.charts.len() <= most {
             return Ok(cut);
         }
-        bound *= RAISE;
-        let fewer = attempt(found, bound, openness.as_deref(), run)?;
+        if run.is_late(Stage::Charts) {
+            run.give_up(Stage::Charts, GaveUp::Joining, Scarce::Time);
+            break;
+        }
+        how.distortion_bound *= RAISE;
+        let fewer = attempt(solvers, &how, openness.as_deref(), run)?;
         if fewer.charts.len() < cut.charts.len() {
             cut = fewer;
         }
@@ -58,20 +63,20 @@ pub fn charts(
             "the object needs {} charts and max_charts is {most}: each disconnected part needs one",
             cut.charts.len()
         );
-        run.warn("max_charts_missed", message);
+        run.warn(WarningCode::MaxChartsMissed, message);
     }
     Ok(cut)
 }
 
 /// One cut; `openness` is what soft maps have left open, where seams were trained.
 fn attempt(
-    found: &Found,
-    bound: f64,
+    solvers: &Solvers,
+    how: &ChartOptions,
     openness: Option<&[f32]>,
     run: &Run,
-) -> Result<Cut, UnwrapError> {
-    let how = ChartOptions { distortion_bound: bound };
-    let built = charts::build_jointly(&found.surface, &found.region_of, &how, openness, run)?;
+) -> Result<Cut, Cause> {
+    let (surface, regions) = (&solvers.surface, &solvers.regions.of_face);
+    let built = charts::build_jointly(surface, regions, how, openness, run)?;
     let joint_seams = openness.map(|_| {
         let kept = |arms: &&Arms| arms.joint < arms.control;
         let sum = |of: fn(&Arms) -> f64| built.arms.iter().map(of).sum::<f64>();

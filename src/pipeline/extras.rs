@@ -1,27 +1,45 @@
 //! What the result says of itself inside the file: part and chart of each face, under
 //! `asset.extras.uvsegnet`, run-length encoded as `[count, value]` pairs in face order.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::parts::Found;
+use crate::contract::SegmentationSource;
 use crate::mesh::NONE;
 
+/// The block.
+#[derive(Debug, Serialize)]
+pub struct Extras<'a> {
+    engine: &'static str,
+    parts: Vec<PartExtras<'a>>,
+    /// Part of each face, −1 for a face without area.
+    face_parts: Vec<[i64; 2]>,
+    /// Chart of each face; empty where there are no charts.
+    face_charts: Vec<[i64; 2]>,
+}
+
+#[derive(Debug, Serialize)]
+struct PartExtras<'a> {
+    id: u32,
+    name: &'a str,
+    source: SegmentationSource,
+    confidence: f64,
+}
+
 /// The block for a result; `chart_of` is empty where there are no charts.
-pub fn block(found: &Found, chart_of: &[u32]) -> Value {
-    let parts: Vec<Value> = found
-        .parts
-        .parts
-        .iter()
-        .map(
-            |p| json!({"id": p.id, "name": p.name, "source": p.source, "confidence": p.confidence}),
-        )
-        .collect();
-    json!({
-        "engine": env!("CARGO_PKG_VERSION"),
-        "parts": parts,
-        "face_parts": runs(&found.parts.labels),
-        "face_charts": runs(chart_of),
-    })
+pub fn block<'a>(found: &'a Found, chart_of: &[u32]) -> Extras<'a> {
+    let parts = found.parts.parts.iter().map(|part| PartExtras {
+        id: part.id,
+        name: &part.name,
+        source: part.source,
+        confidence: part.confidence,
+    });
+    Extras {
+        engine: env!("CARGO_PKG_VERSION"),
+        parts: parts.collect(),
+        face_parts: runs(&found.parts.labels),
+        face_charts: runs(chart_of),
+    }
 }
 
 fn runs(values: &[u32]) -> Vec<[i64; 2]> {

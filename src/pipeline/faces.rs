@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::finish::Finished;
+use super::finish::CertifiedAtlas;
 use super::parts::Found;
 use super::sheets::mate_corner;
 use crate::atlas::Grid;
@@ -23,7 +23,7 @@ pub struct Faces {
 }
 
 /// Collect the faces.
-pub fn collect(found: &Found, finished: &Finished) -> Faces {
+pub fn collect(found: &Found, finished: &CertifiedAtlas) -> Faces {
     let surface = &found.surface;
     let count = surface.face_count();
     let mut uvs = vec![[[f32::NAN; 2]; 3]; count];

@@ -2,12 +2,12 @@
 //! close; what it leaves open says in which order the patches are joined. The combinatorial order is the
 //! control, and the better of both is kept.
 
-use super::error::UnwrapError;
+use super::engine::Engine;
+use super::error::Cause;
 use super::neural::{self, Vertices};
-use super::parts::Found;
+use super::parts::Solvers;
 use crate::charts::{self, ChartOptions, OverCutPart};
-use crate::contract::{Progress, Run, Stage, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{Run, Stage, UnwrapOptions};
 use crate::parameterization::losses::{CutEdge, OverCut};
 use crate::parameterization::{self, TrainChart, TrainOptions};
 
@@ -17,8 +17,8 @@ const MOST_VERTICES: usize = 4096;
 /// Most steps of a soft map: it says what to join first and need not be finished.
 const MOST_STEPS: u32 = 200;
 
-/// Share of the job's wall clock after which the soft maps are taken as they are.
-const WALL_SHARE: f64 = 0.25;
+/// Share of the stage that training is taken for.
+const TRAINED: f64 = 0.5;
 
 /// Gap, in radii of the part, at which a seam counts as half open.
 const HALF_OPEN: f64 = 0.05;
@@ -26,39 +26,31 @@ const HALF_OPEN: f64 = 0.05;
 /// How far a soft map has left each half-edge of the surface open, 0 to 1; NaN where there was nothing to
 /// choose, or too much.
 pub fn openness(
-    found: &Found,
+    solvers: &Solvers,
     cut: &ChartOptions,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-) -> Result<Vec<f32>, UnwrapError> {
-    let surface = &found.surface;
+) -> Result<Vec<f32>, Cause> {
+    let surface = &solvers.surface;
     let mut openness = vec![f32::NAN; surface.twin.len()];
-    let parts = charts::over_cut(surface, &found.region_of, cut, MOST_VERTICES, run)?;
+    let parts = charts::over_cut(surface, &solvers.regions.of_face, cut, MOST_VERTICES, run)?;
     if parts.is_empty() {
         return Ok(openness);
     }
-    let told = Vertices::of(found);
+    let told = Vertices::of(solvers);
     let inputs: Vec<TrainChart> = parts.iter().map(|part| input(part, &told)).collect();
     let options = TrainOptions {
         points: MOST_VERTICES,
         steps: options.steps.min(MOST_STEPS),
-        wall_share: WALL_SHARE,
+        stage: Stage::Charts,
         ..TrainOptions::from(options)
     };
-    let total = inputs.len() as u32;
-    let mut told = |step: u32, steps: u32, finished: &[usize]| {
-        // The other half of the stage is the joining.
-        let fraction = 0.5 * f64::from(step) / f64::from(steps.max(1));
-        let parts_done = finished.len() as u32;
-        run.tell(Progress::Progress {
-            stage: Stage::Charts,
-            fraction,
-            parts_done,
-            parts_total: total,
-        });
+    let mut told = |step: u32, steps: u32, _: &[usize]| {
+        // The rest of the stage is the joining.
+        run.advance(TRAINED * f64::from(step) / f64::from(steps.max(1)));
     };
-    let trained = parameterization::train(&inputs, &options, device, run, &mut told)?;
+    let trained = parameterization::train(&inputs, &options, &engine.device, run, &mut told)?;
     for (part, map) in parts.iter().zip(trained) {
         let unit = HALF_OPEN * radius(part);
         for seam in &part.seams {

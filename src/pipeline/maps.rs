@@ -1,17 +1,18 @@
 //! The map of each chart: the network's and the control's, each polished; the better one ships, and
 //! the metrics say what each reached (pipeline 5 and 6).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
-use super::clock::Clock;
-use super::error::UnwrapError;
+use super::engine::Engine;
+use super::error::Cause;
 use super::neural;
-use super::parts::Found;
+use super::parts::{Found, Solvers};
 use crate::charts::{self, Chart};
-use crate::contract::{Canceled, ChartForm, NeuralGain, Progress, Run, Stage, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{
+    Canceled, ChartForm, GaveUp, NeuralGain, Progress, Run, Stage, UnwrapOptions,
+};
 use crate::flatten::{self, Disk, SlimOptions, UvMap};
 use crate::parameterization::{self, TrainOptions, TrainedChart};
 
@@ -41,6 +42,8 @@ pub struct Mapped {
     pub gain: Option<NeuralGain>,
     /// Round-trip distance of the two networks.
     pub chamfer: Option<f64>,
+    /// Whether it is larger than its density asks for, so that single precision holds it.
+    pub enlarged: bool,
 }
 
 impl Mapped {
@@ -55,6 +58,7 @@ impl Mapped {
             steps: 0,
             gain: None,
             chamfer: None,
+            enlarged: false,
         }
     }
 }
@@ -67,46 +71,59 @@ pub fn untrained(charts: Vec<Chart>) -> Vec<Mapped> {
 /// Train the charts that pay best, polish all.
 pub fn trained(
     found: &Found,
+    solvers: &Solvers,
     charts: Vec<Chart>,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    clock: &mut Clock,
-) -> Result<Vec<Mapped>, UnwrapError> {
-    clock.stage(Stage::Train, run)?;
-    let chosen = neural::choose(&charts, options);
-    let inputs = neural::inputs(found, &charts, &chosen);
-    let total = chosen.len() as u32;
+) -> Result<Vec<Mapped>, Cause> {
+    run.stage(Stage::Train)?;
+    let part = |chart: &Chart| solvers.regions.part[chart.part as usize];
+    let chosen = neural::choose(&charts, options, run);
+    let inputs = neural::inputs(solvers, &charts, &chosen);
+    let parts = found.parts.parts.len() as u32;
+    let of_chosen: Vec<u32> = chosen.iter().map(|&i| part(&charts[i])).collect();
     let mut told = |step: u32, steps: u32, finished: &[usize]| {
-        let fraction = f64::from(step) / f64::from(steps.max(1));
-        let parts_done = finished.len() as u32;
-        let parts_total = total;
-        run.tell(Progress::Progress { stage: Stage::Train, fraction, parts_done, parts_total });
+        run.advance(f64::from(step) / f64::from(steps.max(1)));
+        // A part waits while one of its charts does.
+        let waiting: BTreeSet<u32> =
+            (0..of_chosen.len()).filter(|i| !finished.contains(i)).map(|i| of_chosen[i]).collect();
+        run.parts(parts - waiting.len() as u32, parts);
     };
+    let how = TrainOptions::from(options);
     let results = if inputs.is_empty() {
         Vec::new()
     } else {
-        parameterization::train(&inputs, &TrainOptions::from(options), device, run, &mut told)?
+        parameterization::train(&inputs, &how, &engine.device, run, &mut told)?
     };
     drop(inputs);
     let mut trained: BTreeMap<usize, TrainedChart> = chosen.into_iter().zip(results).collect();
-    clock.stage(Stage::Polish, run)?;
+    run.parts(parts, parts);
+    run.stage(Stage::Polish)?;
     let work: Vec<(Chart, Option<TrainedChart>)> =
         charts.into_iter().enumerate().map(|(i, c)| (c, trained.remove(&i))).collect();
-    let clearance = charts::clearance(&found.surface);
-    let mapped: Result<Vec<Mapped>, Canceled> =
-        work.into_par_iter().map(|(chart, net)| polish(chart, net, clearance, run)).collect();
+    let clearance = charts::clearance(&solvers.surface);
+    let faces = work.iter().map(|(chart, _)| chart.faces.len()).sum();
+    let steps = run.steps(faces, 0.0, 1.0);
+    let mapped: Result<Vec<Mapped>, Canceled> = work
+        .into_par_iter()
+        .map(|(chart, net)| {
+            let mapped = polish(chart, net, clearance, run)?;
+            steps.add(mapped.chart.faces.len());
+            Ok(mapped)
+        })
+        .collect();
     let mapped = mapped?;
-    tell_parts(found, &mapped, run);
+    tell_parts(found, solvers, &mapped, run);
     Ok(mapped)
 }
 
 /// Tell that each part has its charts, and how distorted they are.
-fn tell_parts(found: &Found, mapped: &[Mapped], run: &Run) {
+fn tell_parts(found: &Found, solvers: &Solvers, mapped: &[Mapped], run: &Run) {
     let mut sums: BTreeMap<u32, (u32, f64, f64)> = BTreeMap::new();
     for m in mapped {
         let area = m.chart.disk.area();
-        let entry = sums.entry(found.part_of_region[m.chart.part as usize]).or_default();
+        let entry = sums.entry(solvers.regions.part[m.chart.part as usize]).or_default();
         entry.0 += 1;
         entry.1 += area * flatten::quality(&m.chart.disk, &m.uv).mean;
         entry.2 += area;
@@ -125,6 +142,9 @@ fn polish(
     clearance: f64,
     run: &Run,
 ) -> Result<Mapped, Canceled> {
+    if run.skips(Stage::Polish, GaveUp::Descent) {
+        return Ok(Mapped::from_cut(chart));
+    }
     let disk = &chart.disk;
     let start = flatten::quality(disk, &chart.start);
     let proved = |uv: &UvMap| charts::is_sound(disk, uv, clearance);

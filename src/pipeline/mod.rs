@@ -1,9 +1,15 @@
 //! The stages in order, and every loop that goes back, since only this module sees both ends: a
 //! chart that fails its certificate is divided and goes round again. A pure library: it knows no
 //! HTTP and no database. The command line, the worker, the benchmarks and the tests call it.
+//!
+//! A stage is a function of its inputs, the options and the [`Run`] (which holds clock, cancellation,
+//! budget and progress) that returns its output whole.
 
+mod certify;
 mod charting;
-mod clock;
+mod densities;
+mod effort;
+mod engine;
 mod error;
 mod extras;
 mod faces;
@@ -16,16 +22,15 @@ mod regions;
 mod report;
 mod result;
 mod sheets;
-mod weights;
 
-pub use error::UnwrapError;
+pub use crate::segmentation::Weights;
+pub use effort::required_bytes;
+pub use engine::Engine;
+pub use error::{Cause, UnwrapError};
 pub use result::{Artifact, Unwrapped};
 
 use crate::contract::{Limits, MeshKind, Run, Stage, StopAfter, UnwrapOptions};
-use crate::device::Device;
 use crate::mesh::{self, Scene};
-use clock::Clock;
-use finish::Finished;
 
 /// A mesh as it was uploaded.
 #[derive(Debug, Clone, Copy)]
@@ -43,63 +48,62 @@ pub fn unwrap_input(
     input: &Input,
     options: &UnwrapOptions,
     limits: &Limits,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
 ) -> Result<Unwrapped, UnwrapError> {
-    let mut clock = Clock::new();
-    let scene = import(input, limits, run, &mut clock)?;
-    unwrap_scene(&scene, options, device, run, clock)
+    let whole = || {
+        options.validate().map_err(Cause::Options)?;
+        run.stage(Stage::Import)?;
+        stages(&import(input, limits, run)?, options, engine, run)
+    };
+    whole().map_err(|cause| cause.of(run))
 }
 
 /// Unwrap a scene.
 pub fn unwrap(
     scene: &Scene,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
 ) -> Result<Unwrapped, UnwrapError> {
-    unwrap_scene(scene, options, device, run, Clock::new())
+    let whole = || {
+        options.validate().map_err(Cause::Options)?;
+        stages(scene, options, engine, run)
+    };
+    whole().map_err(|cause| cause.of(run))
 }
 
-fn import(
-    input: &Input,
-    limits: &Limits,
-    run: &Run,
-    clock: &mut Clock,
-) -> Result<Scene, UnwrapError> {
-    clock.stage(Stage::Import, run)?;
+fn import(input: &Input, limits: &Limits, run: &Run) -> Result<Scene, Cause> {
     let mut scene = mesh::import(input.bytes, input.kind, limits)?;
     if let Some(labels) = input.labels {
         let labels = mesh::import::parse_labels(labels, scene.face_count());
-        scene.labels = Some(labels.map_err(UnwrapError::Labels)?);
+        scene.labels = Some(labels.map_err(Cause::Labels)?);
     }
     for (code, message) in &scene.warnings {
-        run.warn(code, message.clone());
+        if let Ok(code) = code.parse() {
+            run.warn(code, message.clone());
+        }
     }
     Ok(scene)
 }
 
-fn unwrap_scene(
+/// Everything behind the import.
+fn stages(
     scene: &Scene,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    mut clock: Clock,
-) -> Result<Unwrapped, UnwrapError> {
-    parts::check_memory(scene, options)?;
-    let found = parts::find(scene, options, device, run, &mut clock)?;
+) -> Result<Unwrapped, Cause> {
+    effort::admit(scene, options, run)?;
+    let (found, solvers) = parts::find(scene, options, engine, run)?;
     if options.stop_after == Some(StopAfter::Segmentation) {
-        return report::segmentation_only(scene, &found, device, run, clock);
+        return report::segmentation_only(scene, &found, engine, run);
     }
-    let charting::Cut { charts, joint_seams } =
-        charting::charts(&found, options, device, run, &mut clock)?;
-    let untrained = options.stop_after == Some(StopAfter::Charts);
-    let mapped = if untrained {
-        maps::untrained(charts)
-    } else {
-        maps::trained(&found, charts, options, device, run, &mut clock)?
+    let cut = charting::cut(&solvers, options, engine, run)?;
+    let mapped = match options.stop_after {
+        Some(StopAfter::Charts) => maps::untrained(cut.charts),
+        _ => maps::trained(&found, &solvers, cut.charts, options, engine, run)?,
     };
-    let finished = finish::pack_and_certify(&found, mapped, options, run, &mut clock)?;
-    let finished = Finished { joint_seams, ..finished };
-    report::whole(scene, &found, &finished, options, device, run, clock)
+    let finished = finish::pack_and_certify(&found, &solvers, mapped, options, run)?;
+    report::whole(scene, &found, &solvers, &finished, cut.joint_seams, options, engine, run)
 }

@@ -5,13 +5,14 @@
 
 use glam::{DVec2, DVec3};
 
-use super::parts::Found;
+use super::parts::Solvers;
 use crate::charts::boundary::BoundaryFeatures;
 use crate::charts::{Chart, ChartShape};
-use crate::contract::{Quality, UnwrapOptions};
+use crate::contract::{GaveUp, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::flatten::{self, Disk};
-use crate::parameterization::TrainChart;
+use crate::mesh::Surface;
 use crate::parameterization::losses::CylinderTarget;
+use crate::parameterization::{self, TrainChart, TrainOptions};
 
 /// Share of a job's expected time that training may take with `quality = balanced`.
 const SHARE: f64 = 0.35;
@@ -30,16 +31,25 @@ const STEP_S: f64 = 0.025 / (8.0 * 512.0 * 64.0);
 const LEAST_POINTS: usize = 128;
 
 /// Which charts to train, best first. Charts whose start is isometric are never among them.
-pub fn choose(charts: &[Chart], options: &UnwrapOptions) -> Vec<usize> {
+pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize> {
     if options.quality == Quality::Fast {
         return Vec::new();
     }
+    let fits = |chart: &Chart| {
+        let bytes =
+            parameterization::bytes(chart.disk.positions.len(), &TrainOptions::from(options));
+        bytes <= run.budget.spare_bytes()
+    };
     // Expected gain: what distortion there is, times the area that has it.
     let mut ranked: Vec<(f64, usize)> = Vec::new();
     for (i, chart) in charts.iter().enumerate() {
         let quality = flatten::quality(&chart.disk, &chart.start);
         if !quality.is_isometric() {
-            ranked.push((chart.disk.area() * (quality.mean - 1.0), i));
+            if fits(chart) {
+                ranked.push((chart.disk.area() * (quality.mean - 1.0), i));
+            } else {
+                run.give_up(Stage::Train, GaveUp::Training, Scarce::Memory);
+            }
         }
     }
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -63,11 +73,11 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions) -> Vec<usize> {
 }
 
 /// What the networks of the chosen charts are told.
-pub fn inputs<'a>(found: &Found, charts: &'a [Chart], chosen: &[usize]) -> Vec<TrainChart<'a>> {
+pub fn inputs<'a>(solvers: &Solvers, charts: &'a [Chart], chosen: &[usize]) -> Vec<TrainChart<'a>> {
     if chosen.is_empty() {
         return Vec::new();
     }
-    let told = Vertices::of(found);
+    let told = Vertices::of(solvers);
     let of = |&i: &usize| {
         let chart = &charts[i];
         // The first face: it stays the same whatever happens to other charts.
@@ -92,11 +102,11 @@ pub struct Vertices {
 
 impl Vertices {
     /// Boundary features of the cloud, and creases.
-    pub fn of(found: &Found) -> Self {
-        let labels: Vec<u32> =
-            found.cloud.faces.iter().map(|&f| found.parts.labels[f as usize]).collect();
-        let features = BoundaryFeatures::new(&found.cloud, &labels);
-        Self { features, creased: creased_vertices(found) }
+    pub fn of(solvers: &Solvers) -> Self {
+        let cloud = &solvers.cloud;
+        let labels: Vec<u32> = cloud.faces.iter().map(|&f| solvers.part_of[f as usize]).collect();
+        let features = BoundaryFeatures::new(cloud, &labels);
+        Self { features, creased: creased_vertices(&solvers.surface) }
     }
 }
 
@@ -131,8 +141,7 @@ pub fn input<'a>(
 }
 
 /// Which vertices of the surface lie on a salient edge.
-fn creased_vertices(found: &Found) -> Vec<bool> {
-    let surface = &found.surface;
+fn creased_vertices(surface: &Surface) -> Vec<bool> {
     let mut creased = vec![false; surface.positions.len()];
     for h in 0..surface.twin.len() as u32 {
         if surface.is_crease(h) {

@@ -1,91 +1,84 @@
-//! The first stages: condition, sample, segment.
+//! The first stages: condition, sample, segment. They end in two values: what the result indexes, and
+//! what the solvers see.
 
-use super::clock::Clock;
-use super::error::UnwrapError;
-use super::regions;
+use std::sync::Arc;
+
+use super::densities::densities;
+use super::engine::Engine;
+use super::error::Cause;
+use super::regions::{self, Regions};
 use super::sheets;
-use super::weights::weights;
-use crate::contract::{DoubleSided, Run, Stage, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions};
 use crate::mesh::{self, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
-use crate::segmentation::{self, PartLabels};
+use crate::segmentation::{self, PartLabels, SegmentOptions};
 
-/// Bytes that the pipeline holds for each face, measured on large objects with room to spare.
-const BYTES_PER_FACE: u64 = 3_000;
-
-/// The surface and its parts.
+/// What the result indexes: the surface face for face, and its parts.
 pub struct Found {
     /// The conditioned surface.
-    pub surface: Surface,
-    /// The dense cloud.
-    pub cloud: PointCloud,
+    pub surface: Arc<Surface>,
     /// Its parts.
     pub parts: PartLabels,
+    /// SHA-256 of the network's weights, where it was asked for the parts.
+    pub weights: Option<String>,
     /// For each face the face whose UVs it carries (itself but for shared sheets).
     pub sources: Vec<u32>,
     /// Texel density of each part relative to the others.
-    pub weights: Vec<f64>,
-    /// What charts may not cross, for each face: its part, or part and material where each material
-    /// has an atlas; [`NONE`](mesh::NONE) for faces that get no chart of their own.
-    pub region_of: Vec<u32>,
-    /// Part of each region.
-    pub part_of_region: Vec<u32>,
-    /// Atlas page of each region.
-    pub page_of_region: Vec<u32>,
+    pub densities: Vec<f64>,
 }
 
-/// Refuse a scene that cannot fit the job's memory, before it is tried.
-pub fn check_memory(scene: &Scene, options: &UnwrapOptions) -> Result<(), UnwrapError> {
-    let faces = scene.face_count() as u64;
-    let need = (faces * BYTES_PER_FACE) >> 20;
-    if need > options.budget_mib {
-        return Err(UnwrapError::OutOfMemory(format!(
-            "{faces} triangles need about {need} MiB and the job may use {} MiB: raise budget_mib, \
-             or send a mesh with fewer triangles",
-            options.budget_mib
-        )));
-    }
-    Ok(())
+/// What the solvers see: the surface that is cut and flattened, its samples, and what charts may not
+/// cross on it.
+pub struct Solvers {
+    /// The surface.
+    pub surface: Arc<Surface>,
+    /// The dense cloud on it.
+    pub cloud: PointCloud,
+    /// Part of each face, or [`NONE`](mesh::NONE).
+    pub part_of: Vec<u32>,
+    /// What charts may not cross.
+    pub regions: Regions,
 }
 
 /// Condition, sample, segment.
 pub fn find(
     scene: &Scene,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    clock: &mut Clock,
-) -> Result<Found, UnwrapError> {
-    clock.stage(Stage::Condition, run)?;
-    let surface = mesh::condition(scene, run)?;
-    clock.stage(Stage::Sample, run)?;
+) -> Result<(Found, Solvers), Cause> {
+    run.stage(Stage::Condition)?;
+    let surface = Arc::new(mesh::condition(scene, run)?);
+    run.stage(Stage::Sample)?;
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
-    clock.stage(Stage::Segment, run)?;
-    let parts = segmentation::segment(
-        &surface,
-        &cloud,
-        options.segmentation,
-        options.part_boundary,
-        device,
-        run,
-    )?;
-    let weights = weights(&parts.parts, options)?;
+    run.stage(Stage::Segment)?;
+    let asked = SegmentOptions::from(options);
+    let how = affordable(asked, &surface, run);
+    let parts =
+        segmentation::segment(&surface, &cloud, &how, &engine.weights, &engine.device, run)?;
     let sources = match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),
         DoubleSided::Share => sheets::sources(&surface),
     };
-    let mut found = Found {
-        surface,
-        cloud,
+    let found = Found {
+        weights: how.hears_network(&surface).then(|| engine.weights.digest().to_owned()),
+        densities: densities(&parts.parts, options)?,
+        surface: surface.clone(),
         parts,
         sources,
-        weights,
-        region_of: Vec::new(),
-        part_of_region: Vec::new(),
-        page_of_region: Vec::new(),
     };
-    regions::divide(&mut found, options.atlas);
-    Ok(found)
+    let regions = regions::divide(&found, options.atlas);
+    let part_of = found.parts.labels.clone();
+    run.parts(0, found.parts.parts.len() as u32);
+    Ok((found, Solvers { surface, cloud, part_of, regions }))
+}
+
+/// The segmentation that there is time for: without the network parts are the file's own.
+fn affordable(asked: SegmentOptions, surface: &Surface, run: &Run) -> SegmentOptions {
+    if !asked.hears_network(surface) || !run.is_late(Stage::Sample) {
+        return asked;
+    }
+    run.give_up(Stage::Segment, GaveUp::Network, Scarce::Time);
+    SegmentOptions { source: SegmentationSource::Authored, ..asked }
 }

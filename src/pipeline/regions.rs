@@ -10,8 +10,20 @@ use crate::mesh::NONE;
 /// Parts below this share of the area are specks.
 const SPECK: f64 = 0.005;
 
+/// What charts may not cross.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regions {
+    /// Region of each face: its part, or part and material where each material has an atlas;
+    /// [`NONE`] for faces that get no chart of their own.
+    pub of_face: Vec<u32>,
+    /// Part of each region.
+    pub part: Vec<u32>,
+    /// Atlas of each region, from 0.
+    pub atlas: Vec<u32>,
+}
+
 /// Number the regions in order of part, then material.
-pub fn divide(found: &mut Found, atlas: AtlasGrouping) {
+pub fn divide(found: &Found, atlas: AtlasGrouping) -> Regions {
     let surface = &found.surface;
     let key = |f: usize| {
         let material = match atlas {
@@ -32,24 +44,27 @@ pub fn divide(found: &mut Found, atlas: AtlasGrouping) {
     let number = |k: &Option<(u32, u32)>| {
         k.and_then(|k| regions.binary_search(&k).ok()).map_or(NONE, |r| r as u32)
     };
-    found.region_of = keys.iter().map(number).collect();
-    found.part_of_region = regions.iter().map(|r| r.0).collect();
-    found.page_of_region =
-        regions.iter().map(|r| materials.binary_search(&r.1).unwrap_or(0) as u32).collect();
-    absorb_specks(found);
+    let atlas_of = |r: &(u32, u32)| materials.binary_search(&r.1).unwrap_or(0) as u32;
+    let divided = Regions {
+        of_face: keys.iter().map(number).collect(),
+        part: regions.iter().map(|r| r.0).collect(),
+        atlas: regions.iter().map(atlas_of).collect(),
+    };
+    let absorbed = absorbed_specks(found, &divided);
+    let joined = |region: &u32| absorbed.get(region).copied().unwrap_or(*region);
+    Regions { of_face: divided.of_face.iter().map(joined).collect(), ..divided }
 }
 
-/// Give the specks that nobody but the geometry calls parts to the neighbour of the longest common border,
-/// on the same page and of the same density.
-fn absorb_specks(found: &mut Found) {
+/// The specks that nobody but the geometry calls parts, each with the neighbour of the longest common
+/// border, on the same page and of the same density, whose charts it joins.
+fn absorbed_specks(found: &Found, regions: &Regions) -> BTreeMap<u32, u32> {
     let surface = &found.surface;
-    let count = found.part_of_region.len();
-    let mut area = vec![0.0; count];
-    for (f, &region) in found.region_of.iter().enumerate().filter(|(_, r)| **r != NONE) {
+    let mut area = vec![0.0; regions.part.len()];
+    for (f, &region) in regions.of_face.iter().enumerate().filter(|(_, r)| **r != NONE) {
         area[region as usize] += surface.areas[f];
     }
     let least = SPECK * area.iter().sum::<f64>();
-    let part = |region: u32| &found.parts.parts[found.part_of_region[region as usize] as usize];
+    let part = |region: u32| &found.parts.parts[regions.part[region as usize] as usize];
     let is_speck = |region: u32| {
         let guessed = matches!(
             part(region).source,
@@ -58,12 +73,12 @@ fn absorb_specks(found: &mut Found) {
         guessed && area[region as usize] < least
     };
     let like = |region: u32| {
-        let part = found.part_of_region[region as usize] as usize;
-        (found.page_of_region[region as usize], found.weights[part].to_bits())
+        let part = regions.part[region as usize] as usize;
+        (regions.atlas[region as usize], found.densities[part].to_bits())
     };
     let mut borders: BTreeMap<u32, BTreeMap<u32, f64>> = BTreeMap::new();
     for (h, &t) in (0u32..).zip(&surface.twin).filter(|(_, t)| **t != NONE) {
-        let [from, to] = [h, t].map(|h| found.region_of[h as usize / 3]);
+        let [from, to] = [h, t].map(|h| regions.of_face[h as usize / 3]);
         // Towards what is no speck, so that none is absorbed twice.
         if from != NONE && to != NONE && is_speck(from) && !is_speck(to) && like(from) == like(to) {
             *borders.entry(from).or_default().entry(to).or_default() += surface.length(h);
@@ -72,11 +87,7 @@ fn absorb_specks(found: &mut Found) {
     let longest = |around: &BTreeMap<u32, f64>| {
         around.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|(&region, _)| region)
     };
-    let absorbed: BTreeMap<u32, u32> =
-        borders.iter().filter_map(|(&speck, around)| Some((speck, longest(around)?))).collect();
-    for region in &mut found.region_of {
-        *region = absorbed.get(region).copied().unwrap_or(*region);
-    }
+    borders.iter().filter_map(|(&speck, around)| Some((speck, longest(around)?))).collect()
 }
 
 #[cfg(test)]
@@ -86,7 +97,6 @@ mod tests {
     use super::*;
     use crate::contract::Run;
     use crate::mesh::{Document, Primitive, Scene, condition};
-    use crate::sampling::PointCloud;
     use crate::segmentation::{Part, PartLabels};
 
     /// A square of 20 × 20 cells in two halves, parts 0 and 2, of which part 1 has a cell of the first.
@@ -111,29 +121,24 @@ mod tests {
                 parts: (0..3).map(part).collect(),
                 joins: Vec::new(),
             },
-            weights: vec![1.0; 3],
-            surface,
-            cloud: PointCloud::default(),
-            region_of: Vec::new(),
-            part_of_region: Vec::new(),
-            page_of_region: Vec::new(),
+            densities: vec![1.0; 3],
+            weights: None,
+            surface: surface.into(),
         }
     }
 
     #[test]
     fn a_guessed_speck_goes_to_its_neighbour_and_a_named_one_stays() {
         for (source, own) in [(SegmentationSource::Geometric, 0), (SegmentationSource::Labels, 1)] {
-            let mut found = found(source);
-            divide(&mut found, AtlasGrouping::Scene);
-            assert_eq!([0, 126, 127, 799].map(|f| found.region_of[f]), [0, own, own, 2]);
+            let regions = divide(&found(source), AtlasGrouping::Scene);
+            assert_eq!([0, 126, 127, 799].map(|f| regions.of_face[f]), [0, own, own, 2]);
         }
     }
 
     #[test]
     fn a_speck_of_its_own_density_stays() {
         let mut found = found(SegmentationSource::Geometric);
-        found.weights[1] = 4.0;
-        divide(&mut found, AtlasGrouping::Scene);
-        assert_eq!(found.region_of[126], 1);
+        found.densities[1] = 4.0;
+        assert_eq!(divide(&found, AtlasGrouping::Scene).of_face[126], 1);
     }
 }

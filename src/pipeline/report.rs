@@ -1,18 +1,17 @@
 //! The last stages: measure, draw, write, and the metrics that say what was done.
 
-use super::clock::Clock;
-use super::error::UnwrapError;
+use super::engine::Engine;
+use super::error::Cause;
 use super::extras;
 use super::faces::{self, Faces};
-use super::finish::Finished;
+use super::finish::CertifiedAtlas;
 use super::maps::Mapped;
-use super::parts::Found;
+use super::parts::{Found, Solvers};
 use super::result::{Artifact, Unwrapped};
 use crate::contract::{
-    AtlasMetrics, Certificate, ChartMetrics, Figures, Metrics, PartMetrics, Run, Stage, Units,
-    UnwrapOptions,
+    ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, GaveUp, JointSeams, Metrics,
+    PartMetrics, Repairs, Run, Scarce, Stage, Units, UnwrapOptions,
 };
-use crate::device::Device;
 use crate::mesh::{NONE, Scene, export};
 use crate::metrics::{self, Measured, MeasuredFigures};
 use crate::preview;
@@ -22,16 +21,18 @@ use crate::segmentation::Part;
 const SCHEMA: u32 = 1;
 
 /// The result of a whole job.
+#[allow(clippy::too_many_arguments)]
 pub fn whole(
     scene: &Scene,
     found: &Found,
-    finished: &Finished,
+    solvers: &Solvers,
+    finished: &CertifiedAtlas,
+    joint_seams: Option<JointSeams>,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    mut clock: Clock,
-) -> Result<Unwrapped, UnwrapError> {
-    clock.stage(Stage::Measure, run)?;
+) -> Result<Unwrapped, Cause> {
+    run.stage(Stage::Measure)?;
     let faces = faces::collect(found, finished);
     let chamfer: Vec<Option<f64>> = finished.charts.iter().map(|c| c.chamfer).collect();
     let measured = Measured {
@@ -47,37 +48,56 @@ pub fn whole(
         * f64::from(options.page_size).powi(2)
         * f64::from(finished.pages);
     let packing_efficiency = metrics::packing_efficiency(&measured, owned.round() as u64);
-    clock.stage(Stage::Preview, run)?;
-    let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
-    let layout = preview::uv_layout_svg(&measured, &names, &run.cancel)?;
-    let picture = preview::preview_png(&measured, run)?;
-    clock.stage(Stage::Export, run)?;
-    let extras = extras::block(found, &faces.chart_of);
-    let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&extras))?;
-    let steps = finished.charts.iter().map(|c| c.steps).max().unwrap_or(0);
-    let metrics = Metrics {
-        atlas: AtlasMetrics {
-            pages: finished.pages,
-            udim: options.udim,
-            width: options.page_size,
-            height: options.page_size,
-            charts: finished.charts.len() as u32,
-            certificate: finished.certificates.atlas.clone(),
-            packing_efficiency,
-            developable: metrics::developable(&measured),
-            joint_seams: finished.joint_seams,
-            figures: figures.atlas.clone(),
-        },
-        parts: parts(found, finished, &figures),
-        charts: charts(found, finished, &figures),
-        ..empty(found, device, run, &mut clock, steps)
+    let pictures = if affords_pictures(found, run) {
+        run.stage(Stage::Preview)?;
+        let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
+        let layout = preview::uv_layout_svg(&measured, &names, &run.cancel)?;
+        run.advance(0.1);
+        Some((layout.into_bytes(), preview::preview_png(&measured, run)?))
+    } else {
+        None
     };
-    let artifacts = vec![
-        artifact("model.glb", "model/gltf-binary", glb),
-        json(&metrics)?,
-        artifact("uv_layout.svg", "image/svg+xml", layout.into_bytes()),
-        artifact("preview.png", "image/png", picture),
+    run.stage(Stage::Export)?;
+    let extras = extras::block(found, &faces.chart_of);
+    let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&as_json(&extras)?))?;
+    let steps = finished.charts.iter().map(|c| c.steps).max().unwrap_or(0);
+    let enlarged_faces = finished.charts.iter().filter(|c| c.enlarged).count() as u64;
+    let atlas = AtlasMetrics {
+        pages: finished.pages,
+        udim: options.udim,
+        width: options.page_size,
+        height: options.page_size,
+        charts: finished.charts.len() as u32,
+        certificate: finished.certificates.atlas.clone(),
+        packing_efficiency,
+        developable: metrics::developable(&measured),
+        joint_seams,
+        figures: figures.atlas.clone(),
+    };
+    let metrics = Metrics {
+        schema: SCHEMA,
+        deterministic: is_deterministic(run),
+        degraded: degraded(run),
+        units: Units::default(),
+        atlas,
+        parts: parts(found, solvers, finished, &figures),
+        part_joins: found.parts.joins.clone(),
+        charts: charts(solvers, finished, &figures),
+        repairs: Repairs { enlarged_faces, ..found.surface.repairs },
+        engine: env!("CARGO_PKG_VERSION").into(),
+        weights: found.weights.clone(),
+        device: engine.device.name(),
+        cost: run.cost(steps, &engine.device.name()),
+    };
+    let mut artifacts = vec![
+        Artifact { kind: ArtifactKind::Model, bytes: glb },
+        Artifact { kind: ArtifactKind::Metrics, bytes: to_json(&metrics)? },
     ];
+    if let Some((layout, picture)) = pictures {
+        artifacts.push(Artifact { kind: ArtifactKind::Layout, bytes: layout });
+        artifacts.push(Artifact { kind: ArtifactKind::Preview, bytes: picture });
+    }
+    run.advance(1.0);
     Ok(Unwrapped { metrics, artifacts })
 }
 
@@ -86,37 +106,75 @@ pub fn whole(
 pub fn segmentation_only(
     scene: &Scene,
     found: &Found,
-    device: &Device,
+    engine: &Engine,
     run: &Run,
-    mut clock: Clock,
-) -> Result<Unwrapped, UnwrapError> {
-    clock.stage(Stage::Preview, run)?;
-    let count = found.surface.face_count();
-    let uvs = vec![[[f32::NAN; 2]; 3]; count];
-    let faces = Faces { file: Vec::new(), uvs, chart_of: vec![NONE; count] };
-    let picture = preview::preview_png(&measured(found, &faces, 0), run)?;
-    clock.stage(Stage::Export, run)?;
-    let mut metrics = empty(found, device, run, &mut clock, 0);
+) -> Result<Unwrapped, Cause> {
+    let picture = if affords_pictures(found, run) {
+        run.stage(Stage::Preview)?;
+        let count = found.surface.face_count();
+        let uvs = vec![[[f32::NAN; 2]; 3]; count];
+        let faces = Faces { file: Vec::new(), uvs, chart_of: vec![NONE; count] };
+        Some(preview::preview_png(&measured(found, &faces, 0), run)?)
+    } else {
+        None
+    };
+    run.stage(Stage::Export)?;
     let counts = face_counts(found);
     let part = |p: &Part| PartMetrics {
         id: p.id,
         name: p.name.clone(),
-        source: p.source.to_string(),
+        source: p.source,
         confidence: p.confidence,
         faces: counts[p.id as usize],
-        ..Default::default()
+        charts: Vec::new(),
+        figures: Figures::default(),
     };
-    metrics.parts = found.parts.parts.iter().map(part).collect();
+    let metrics = Metrics {
+        schema: SCHEMA,
+        deterministic: is_deterministic(run),
+        degraded: degraded(run),
+        units: Units::default(),
+        atlas: AtlasMetrics::default(),
+        parts: found.parts.parts.iter().map(part).collect(),
+        part_joins: found.parts.joins.clone(),
+        charts: Vec::new(),
+        repairs: found.surface.repairs,
+        engine: env!("CARGO_PKG_VERSION").into(),
+        weights: found.weights.clone(),
+        device: engine.device.name(),
+        cost: run.cost(0, &engine.device.name()),
+    };
     let parts = found.parts.labels.iter().map(|&p| if p == NONE { -1 } else { p as i32 });
     let parts: Vec<i32> = parts.collect();
-    let glb = export::part_glb(scene, &parts, Some(&extras::block(found, &[])))?;
-    let artifacts = vec![
-        artifact("model.glb", "model/gltf-binary", glb),
-        artifact("labels.txt", "text/plain", found.parts.to_text().into_bytes()),
-        json(&metrics)?,
-        artifact("preview.png", "image/png", picture),
+    let glb = export::part_glb(scene, &parts, Some(&as_json(&extras::block(found, &[]))?))?;
+    let labels = found.parts.to_text().into_bytes();
+    let mut artifacts = vec![
+        Artifact { kind: ArtifactKind::Model, bytes: glb },
+        Artifact { kind: ArtifactKind::Labels, bytes: labels },
+        Artifact { kind: ArtifactKind::Metrics, bytes: to_json(&metrics)? },
     ];
+    artifacts.extend(picture.map(|bytes| Artifact { kind: ArtifactKind::Preview, bytes }));
+    run.advance(1.0);
     Ok(Unwrapped { metrics, artifacts })
+}
+
+/// Whether there is time and memory for pictures; if not, that is recorded.
+fn affords_pictures(found: &Found, run: &Run) -> bool {
+    if preview::bytes(found.surface.face_count()) > run.budget.spare_bytes() {
+        run.give_up(Stage::Preview, GaveUp::Pictures, Scarce::Memory);
+        return false;
+    }
+    !run.skips(Stage::Measure, GaveUp::Pictures)
+}
+
+/// Whether the clock changed nothing.
+fn is_deterministic(run: &Run) -> bool {
+    run.budget.degraded().iter().all(|d| d.scarce != Scarce::Time)
+}
+
+/// What was given up, in a sentence each.
+fn degraded(run: &Run) -> Vec<String> {
+    run.budget.degraded().iter().map(ToString::to_string).collect()
 }
 
 /// The view that figures and pictures are taken of.
@@ -136,27 +194,6 @@ fn measured<'a>(found: &'a Found, faces: &'a Faces, charts: usize) -> Measured<'
     }
 }
 
-/// Metrics without charts.
-fn empty(found: &Found, device: &Device, run: &Run, clock: &mut Clock, steps: u32) -> Metrics {
-    let degraded = run.budget.degraded();
-    let sentence =
-        |stage: &Stage| format!("{}: the clock ran out, a cheaper form was taken", stage.as_str());
-    Metrics {
-        schema: SCHEMA,
-        deterministic: degraded.is_empty(),
-        degraded: degraded.iter().map(sentence).collect(),
-        units: Units { length: "world".into() },
-        atlas: AtlasMetrics::default(),
-        parts: Vec::new(),
-        part_joins: found.parts.joins.clone(),
-        charts: Vec::new(),
-        repairs: found.surface.repairs,
-        engine: env!("CARGO_PKG_VERSION").into(),
-        device: device.name(),
-        cost: clock.cost(steps, &device.name()),
-    }
-}
-
 /// Faces of each part.
 fn face_counts(found: &Found) -> Vec<u64> {
     let mut faces = vec![0; found.parts.parts.len()];
@@ -166,17 +203,22 @@ fn face_counts(found: &Found) -> Vec<u64> {
     faces
 }
 
-fn parts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<PartMetrics> {
+fn parts(
+    found: &Found,
+    solvers: &Solvers,
+    finished: &CertifiedAtlas,
+    figures: &MeasuredFigures,
+) -> Vec<PartMetrics> {
     let faces = face_counts(found);
     let charts_of = |part: u32| {
         let charts = finished.charts.iter().enumerate();
-        let own = |(_, m): &(usize, &Mapped)| found.part_of_region[m.chart.part as usize] == part;
+        let own = |(_, m): &(usize, &Mapped)| solvers.regions.part[m.chart.part as usize] == part;
         charts.filter(own).map(|(i, _)| i as u32).collect()
     };
     let part = |(p, figures): (&Part, &Figures)| PartMetrics {
         id: p.id,
         name: p.name.clone(),
-        source: p.source.to_string(),
+        source: p.source,
         confidence: p.confidence,
         faces: faces[p.id as usize],
         charts: charts_of(p.id),
@@ -185,16 +227,20 @@ fn parts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<P
     found.parts.parts.iter().zip(&figures.parts).map(part).collect()
 }
 
-fn charts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<ChartMetrics> {
+fn charts(
+    solvers: &Solvers,
+    finished: &CertifiedAtlas,
+    figures: &MeasuredFigures,
+) -> Vec<ChartMetrics> {
     let rows = finished.charts.iter().zip(&figures.charts).zip(&finished.certificates.charts);
     let chart =
         |(id, ((m, figures), proof)): (usize, ((&Mapped, &Figures), &Certificate))| ChartMetrics {
             id: id as u32,
-            part: found.part_of_region[m.chart.part as usize],
+            part: solvers.regions.part[m.chart.part as usize],
             page: finished.page_of[id],
             faces: m.chart.faces.len() as u64,
-            shape: m.chart.shape.as_str().into(),
-            start: m.chart.start_kind.as_str().into(),
+            shape: m.chart.shape.kind(),
+            start: m.chart.start_kind,
             form: m.form,
             isometric_start: m.isometric_start,
             steps: m.steps,
@@ -205,12 +251,15 @@ fn charts(found: &Found, finished: &Finished, figures: &MeasuredFigures) -> Vec<
     rows.enumerate().map(chart).collect()
 }
 
-fn artifact(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Artifact {
-    Artifact { name, media_type, bytes }
+/// What a value is in JSON, for a document that is put together.
+fn as_json(value: &impl serde::Serialize) -> Result<serde_json::Value, Cause> {
+    serde_json::to_value(value).map_err(unwritable)
 }
 
-fn json(metrics: &Metrics) -> Result<Artifact, UnwrapError> {
-    let bytes = serde_json::to_vec_pretty(metrics)
-        .map_err(|error| UnwrapError::Internal(format!("metrics cannot be written: {error}")))?;
-    Ok(artifact("metrics.json", "application/json", bytes))
+fn to_json(metrics: &Metrics) -> Result<Vec<u8>, Cause> {
+    serde_json::to_vec_pretty(metrics).map_err(unwritable)
+}
+
+fn unwritable(error: serde_json::Error) -> Cause {
+    Cause::Internal(format!("the result cannot be written as JSON: {error}"))
 }

@@ -1,14 +1,12 @@
 //! What the pipeline returns: the metrics and the named files, the same for every caller.
 
-use crate::contract::{Cost, Metrics};
+use crate::contract::{ArtifactKind, Cost, Metrics};
 
 /// One file of a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Artifact {
-    /// Its name: model.glb, metrics.json, uv_layout.svg or preview.png; or labels.txt.
-    pub name: &'static str,
-    /// Its media type.
-    pub media_type: &'static str,
+    /// Which one.
+    pub kind: ArtifactKind,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
@@ -28,30 +26,30 @@ impl Unwrapped {
     }
 
     /// One of the files.
-    pub fn artifact(&self, name: &str) -> Option<&[u8]> {
-        self.artifacts.iter().find(|a| a.name == name).map(|a| a.bytes.as_slice())
+    pub fn artifact(&self, kind: ArtifactKind) -> Option<&[u8]> {
+        self.artifacts.iter().find(|a| a.kind == kind).map(|a| a.bytes.as_slice())
     }
 
-    /// Names of the files in which two results differ. The metrics are compared less their `cost`:
+    /// The files in which two results differ. The metrics are compared less their `cost`:
     /// it tells of the run and not of the result.
-    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+    pub fn differences(&self, other: &Self) -> Vec<ArtifactKind> {
         let less_cost = |m: &Metrics| Metrics { cost: Cost::default(), ..m.clone() };
-        let same = |a: &Artifact, b: &Artifact| match a.name {
+        let same = |a: &Artifact, b: &Artifact| match a.kind {
             // As text, for there two numbers that differ look different, and NaN looks the same.
-            "metrics.json" => {
+            ArtifactKind::Metrics => {
                 let text = |m: &Metrics| serde_json::to_string(&less_cost(m)).ok();
                 text(&self.metrics) == text(&other.metrics)
             }
             _ => a.bytes == b.bytes,
         };
-        let missing = |of: &Self, name: &str| of.artifact(name).is_none();
+        let missing = |of: &Self, kind| of.artifact(kind).is_none();
         let differs = |a: &&Artifact| {
-            let twin = other.artifacts.iter().find(|b| b.name == a.name);
+            let twin = other.artifacts.iter().find(|b| b.kind == a.kind);
             twin.is_none_or(|b| !same(a, b))
         };
         let own = self.artifacts.iter().filter(differs);
-        let foreign = other.artifacts.iter().filter(|b| missing(self, b.name));
-        own.chain(foreign).map(|a| a.name).collect()
+        let foreign = other.artifacts.iter().filter(|b| missing(self, b.kind));
+        own.chain(foreign).map(|a| a.kind).collect()
     }
 
     /// The result in a sentence or two.
@@ -90,20 +88,21 @@ mod tests {
 
     /// A result with two files, one of them its metrics.
     fn result() -> Unwrapped {
-        let artifact =
-            |name, bytes: &[u8]| Artifact { name, media_type: "", bytes: bytes.to_vec() };
-        let artifacts = vec![artifact("model.glb", b"glTF"), artifact("metrics.json", b"{}")];
+        let artifact = |kind, bytes: &[u8]| Artifact { kind, bytes: bytes.to_vec() };
+        let artifacts =
+            vec![artifact(ArtifactKind::Model, b"glTF"), artifact(ArtifactKind::Metrics, b"{}")];
         let metrics = Metrics {
             schema: 1,
             deterministic: true,
             degraded: Vec::new(),
-            units: Units { length: "world".into() },
+            units: Units::default(),
             atlas: AtlasMetrics::default(),
             parts: Vec::new(),
             part_joins: Vec::new(),
             charts: Vec::new(),
             repairs: Repairs::default(),
             engine: String::new(),
+            weights: None,
             device: String::new(),
             cost: Cost::default(),
         };
@@ -116,12 +115,12 @@ mod tests {
         two.metrics.cost.wall_s = 1.0;
         assert!(one.differences(&two).is_empty());
         two.metrics.atlas.charts = 1;
-        assert_eq!(one.differences(&two), ["metrics.json"]);
+        assert_eq!(one.differences(&two), [ArtifactKind::Metrics]);
         two.artifacts[0].bytes[3] ^= 1;
-        assert_eq!(one.differences(&two), ["model.glb", "metrics.json"]);
+        assert_eq!(one.differences(&two), [ArtifactKind::Model, ArtifactKind::Metrics]);
         let mut less = result();
         less.artifacts.remove(0);
-        assert_eq!(one.differences(&less), ["model.glb"]);
-        assert_eq!(less.differences(&one), ["model.glb"]);
+        assert_eq!(one.differences(&less), [ArtifactKind::Model]);
+        assert_eq!(less.differences(&one), [ArtifactKind::Model]);
     }
 }

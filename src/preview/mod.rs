@@ -23,6 +23,6 @@ mod text;
 
 pub use curves::{Curve, curves_png};
 pub use palette::part_color;
-pub use picture::{PreviewError, preview_png};
+pub use picture::{PreviewError, bytes, preview_png};
 pub use sheet::{SheetCell, SheetError, contact_sheet};
 pub use svg::uv_layout_svg;

@@ -28,6 +28,13 @@ pub enum PreviewError {
     Encoding(#[from] png::EncodingError),
 }
 
+/// Bytes that drawing an object of so many faces takes: canvas, depths and faces of the large panel, rays
+/// and edges of the object.
+pub fn bytes(faces: usize) -> u64 {
+    let pixels = (LARGE * FACTOR * LARGE * FACTOR) as u64;
+    pixels * 32 + faces as u64 * 256
+}
+
 /// Draws the preview: 1152 × 768 pixels, PNG; 768 × 768 without charts.
 pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError> {
     let cancel = &run.cancel;

@@ -20,13 +20,15 @@ mod scores;
 pub mod sheets;
 pub mod thickness;
 mod votes;
+mod weights;
 
 pub use error::SegmentationError;
 pub use labels::{Part, PartLabels};
-pub use network::{Network, network, use_weights};
+pub use network::Network;
 pub use scores::{Candidate, PartScores};
+pub use weights::Weights;
 
-use crate::contract::{Run, SegmentationSource};
+use crate::contract::{Run, SegmentationSource, UnwrapOptions};
 use crate::device::Device;
 use crate::mesh::Surface;
 use crate::sampling::PointCloud;
@@ -46,22 +48,49 @@ pub trait Segmenter {
     ) -> Result<PartScores, SegmentationError>;
 }
 
+/// What the segmentation is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SegmentOptions {
+    /// Where parts come from.
+    pub source: SegmentationSource,
+    /// Regions are joined as long as the probability that a part ends between them is at most this
+    /// ([`fusion::CUT`] if nothing else is asked for).
+    pub cut: f64,
+}
+
+impl From<&UnwrapOptions> for SegmentOptions {
+    fn from(options: &UnwrapOptions) -> Self {
+        Self { source: options.segmentation, cut: options.part_boundary }
+    }
+}
+
+impl SegmentOptions {
+    /// Whether the network is asked for the parts of such a surface.
+    pub fn hears_network(&self, surface: &Surface) -> bool {
+        match self.source {
+            SegmentationSource::Learned => true,
+            SegmentationSource::Auto => !has_labels(surface),
+            _ => false,
+        }
+    }
+}
+
 /// The parts of a surface: one a face.
 ///
 /// `auto` takes given labels if there are any, and otherwise hears all: the network, the file's
-/// structure, the shape; `learned` hears the network alone. Regions are joined as
-/// long as the probability that a part ends between them is at most `cut` ([`fusion::CUT`] if nothing
-/// else is asked for). `device` is where the network runs.
+/// structure, the shape; `learned` hears the network alone. `weights` are the network's and `device` is
+/// where it runs.
 pub fn segment(
     surface: &Surface,
     cloud: &PointCloud,
-    source: SegmentationSource,
-    cut: f64,
+    options: &SegmentOptions,
+    weights: &Weights,
     device: &Device,
     run: &Run,
 ) -> Result<PartLabels, SegmentationError> {
+    let &SegmentOptions { source, cut } = options;
     let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
-        let network = network(device)?;
+        let network = weights.network(device)?;
         let seen = Outside::of(surface, cloud);
         let evidence = gather(&seen, Some(&network), run)?;
         Ok(fuse(&seen, &evidence, &network.judge, heard, cut, run)?)

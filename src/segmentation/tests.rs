@@ -89,10 +89,21 @@ fn joined() -> Surface {
     surface(&[voxels(&(&block([0, 0, 0], [12, 3, 12]) | &block([4, 3, 4], [8, 15, 8])))])
 }
 
+/// Asked with the weights that ship.
+fn ask(
+    s: &Surface,
+    cloud: &PointCloud,
+    source: SegmentationSource,
+    cut: f64,
+) -> Result<PartLabels, SegmentationError> {
+    let options = SegmentOptions { source, cut };
+    segment(s, cloud, &options, &Weights::shipped(), &Device::cpu(), &Run::quiet())
+}
+
 fn parts_of(s: &Surface, source: SegmentationSource) -> PartLabels {
     let run = Run::quiet();
     let cloud = sample(s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    segment(s, &cloud, source, CUT, &Device::cpu(), &run).unwrap()
+    ask(s, &cloud, source, CUT).unwrap()
 }
 
 /// Every usable face has a part, parts are connected and numbered in order of first face, names
@@ -290,13 +301,13 @@ fn both_sheets_of_a_double_sided_body_get_the_same_parts() {
 
 #[test]
 fn a_deeper_cut_gives_more_parts() {
-    let asked = crate::contract::UnwrapOptions::default().part_boundary;
+    let asked = UnwrapOptions::default().part_boundary;
     assert_eq!(asked, CUT, "the benchmark measures what a user gets");
     let s = joined();
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &Run::quiet()).unwrap();
     let found = |cut| {
         let auto = SegmentationSource::Auto;
-        segment(&s, &cloud, auto, cut, &Device::cpu(), &Run::quiet()).unwrap()
+        ask(&s, &cloud, auto, cut).unwrap()
     };
     assert!(found(CUT).coarser(1.0).iter().all(|&g| g == 0));
     assert!(found(0.05).parts.len() >= found(CUT).parts.len());
@@ -308,8 +319,7 @@ fn what_cannot_be_done_is_an_invalid_option() {
     let mut s = joined();
     let run = Run::quiet();
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &run).unwrap();
-    let error =
-        |s: &Surface, source| segment(s, &cloud, source, CUT, &Device::cpu(), &run).unwrap_err();
+    let error = |s: &Surface, source| ask(s, &cloud, source, CUT).unwrap_err();
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoLabels);
     s.labels = Some(vec![-1; s.face_count()]);
     assert_eq!(error(&s, SegmentationSource::Labels), SegmentationError::NoneKnown);
@@ -318,8 +328,9 @@ fn what_cannot_be_done_is_an_invalid_option() {
     s.labels = Some(vec![0; 3]);
     assert_eq!(error(&s, SegmentationSource::Labels).code(), ErrorCode::InvalidOption);
     run.cancel.cancel();
+    let authored = SegmentOptions { source: SegmentationSource::Authored, cut: CUT };
     let canceled =
-        segment(&s, &cloud, SegmentationSource::Authored, CUT, &Device::cpu(), &run).unwrap_err();
+        segment(&s, &cloud, &authored, &Weights::shipped(), &Device::cpu(), &run).unwrap_err();
     assert!(matches!(canceled, SegmentationError::Canceled(_)));
 }
 
@@ -327,8 +338,7 @@ fn what_cannot_be_done_is_an_invalid_option() {
 fn nothing_gives_nothing() {
     let s = Surface { diagonal: 1.0, ..Default::default() };
     for source in [SegmentationSource::Auto, SegmentationSource::Geometric] {
-        let found =
-            segment(&s, &Default::default(), source, CUT, &Device::cpu(), &Run::quiet()).unwrap();
+        let found = ask(&s, &Default::default(), source, CUT).unwrap();
         assert!(found.parts.is_empty() && found.labels.is_empty());
     }
 }

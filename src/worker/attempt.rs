@@ -13,13 +13,12 @@ use tokio_util::sync::CancellationToken;
 use super::pipeline_thread::{Outcome, Work, start};
 use super::reporter::Reporter;
 use super::results::{discard, store_all};
-use crate::contract::{Budget, Cancel, ErrorCode, JobError, Limits, Run};
-use crate::device::Device;
+use crate::contract::{ArtifactKind, Budget, Cancel, ErrorCode, JobError, Limits, Run};
 use crate::jobs::{
     Artifact, Blobs, Changes, Claim, Finished, Job, JobState, Lease, MetricsSummary, NewEvent,
     Queue, QueueError, Tick, TickAnswer,
 };
-use crate::pipeline::Unwrapped;
+use crate::pipeline::{Engine, Unwrapped};
 use crate::telemetry::JobLog;
 
 /// How often events are written.
@@ -28,8 +27,6 @@ const TICK: Duration = Duration::from_millis(500);
 const EXTEND: Duration = Duration::from_secs(5);
 /// How long the pipeline gets to stop: a factorisation cannot look at its token.
 const GRACE: Duration = Duration::from_millis(1500);
-/// Share of the job's time limit after which the pipeline takes cheaper forms.
-const BUDGET_SHARE: f64 = 0.9;
 
 /// What every attempt of a worker is given.
 pub struct Context {
@@ -39,8 +36,8 @@ pub struct Context {
     pub blobs: Blobs,
     /// Tells when somebody may have asked for the job to stop.
     pub changes: Changes,
-    /// Where to compute.
-    pub device: Device,
+    /// What computes.
+    pub engine: Engine,
     /// What is accepted.
     pub limits: Limits,
     /// Set when the worker is to shut down.
@@ -117,12 +114,11 @@ impl Attempt<'_> {
             None => None,
         };
         let limits = &self.context.limits;
-        let wall = job.options.budget_s.min(limits.job_seconds as f64 * BUDGET_SHARE);
         let reporter = self.reporter.clone();
         let run = Run::new(
             move |progress| reporter.tell(progress),
             self.cancel.clone(),
-            Budget::new(wall, job.options.budget_mib),
+            Budget::new(job.options.budget_s, job.options.budget_mib),
         );
         start(Work {
             mesh,
@@ -130,7 +126,7 @@ impl Attempt<'_> {
             labels,
             options: job.options.clone(),
             limits: limits.clone(),
-            device: self.context.device.clone(),
+            engine: self.context.engine.clone(),
             run,
         })
         .map_err(|error| JobError::new(ErrorCode::Internal, format!("cannot start: {error}")))
@@ -268,7 +264,7 @@ impl Attempt<'_> {
         }
         tracing::info!(job = %self.lease.job, "job succeeded");
         let files = unwrapped.artifacts().iter();
-        let files = files.map(|file| (file.name, file.media_type, Bytes::from(file.bytes.clone())));
+        let files = files.map(|file| (file.kind, Bytes::from(file.bytes.clone())));
         let stored = store_all(&self.context.blobs, files.chain([log()])).await;
         let artifacts = match stored {
             Ok(artifacts) => artifacts,
@@ -343,8 +339,8 @@ impl Attempt<'_> {
 }
 
 /// The log so far, as a file.
-fn log() -> (&'static str, &'static str, Bytes) {
-    ("log.jsonl", "application/jsonl", JobLog::so_far().into())
+fn log() -> (ArtifactKind, Bytes) {
+    (ArtifactKind::Log, JobLog::so_far().into())
 }
 
 /// The moment, or never.

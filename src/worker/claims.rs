@@ -12,6 +12,7 @@ use super::attempt::{self, Context, Next};
 use crate::contract::Limits;
 use crate::device::{self, Device, DeviceChoice};
 use crate::jobs::{Blobs, Changes, Presence, Queue, Worker};
+use crate::pipeline::{Engine, Weights};
 
 /// How often a worker says that it is alive.
 const HEARTBEAT: Duration = Duration::from_secs(5);
@@ -36,6 +37,8 @@ pub struct WorkerSettings {
     pub presence: PathBuf,
     /// Where to compute.
     pub device: DeviceChoice,
+    /// Weights of the segmentation network.
+    pub weights: Weights,
     /// What is accepted.
     pub limits: Limits,
     /// Set when the worker is to shut down.
@@ -65,7 +68,7 @@ pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
         queue: settings.queue,
         blobs: settings.blobs,
         changes: settings.changes,
-        device,
+        engine: Engine { device, weights: settings.weights },
         limits: settings.limits,
         drain: settings.drain,
         drain_timeout: settings.drain_timeout,

@@ -8,8 +8,7 @@ use bytes::Bytes;
 use tokio::sync::oneshot;
 
 use crate::contract::{JobError, Limits, MeshKind, Run, UnwrapOptions};
-use crate::device::Device;
-use crate::pipeline::{Input, Unwrapped, unwrap_input};
+use crate::pipeline::{Engine, Input, Unwrapped, unwrap_input};
 
 /// Bytes of stack: walks over large meshes may recurse.
 const STACK: usize = 64 << 20;
@@ -26,8 +25,8 @@ pub struct Work {
     pub options: UnwrapOptions,
     /// What is accepted.
     pub limits: Limits,
-    /// Where to compute.
-    pub device: Device,
+    /// What computes.
+    pub engine: Engine,
     /// Whom to tell, and when to stop.
     pub run: Run,
 }
@@ -59,7 +58,7 @@ pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
 
 fn call(work: &Work) -> Outcome {
     let input = Input { bytes: &work.mesh, kind: work.kind, labels: work.labels.as_deref() };
-    match unwrap_input(&input, &work.options, &work.limits, &work.device, &work.run) {
+    match unwrap_input(&input, &work.options, &work.limits, &work.engine, &work.run) {
         Ok(unwrapped) => Outcome::Done(Box::new(unwrapped)),
         Err(error) => match error.job_error() {
             Some(error) => Outcome::Failed(error),

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use crate::contract::{Progress, Stage};
+use crate::contract::{Progress, Stage, Warning};
 use crate::jobs::{EventKind, JobProgress, NewEvent};
 
 /// Least time between two `progress` rows of a job.
@@ -84,8 +84,8 @@ impl Reporter {
                 });
                 state.events.push(NewEvent::now(EventKind::PartCompleted, data));
             }
-            Progress::Warning { code, message } => {
-                tracing::warn!(code, "{message}");
+            Progress::Warning(Warning { code, message }) => {
+                tracing::warn!(code = code.as_str(), "{message}");
                 let data = json!({"code": code, "message": message});
                 state.events.push(NewEvent::now(EventKind::Warning, data));
             }

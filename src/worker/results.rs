@@ -2,19 +2,15 @@
 
 use bytes::Bytes;
 
+use crate::contract::ArtifactKind;
 use crate::jobs::{Artifact, BlobError, BlobFolder, Blobs};
 
 /// Store one file.
-async fn store(
-    blobs: &Blobs,
-    name: &str,
-    media_type: &str,
-    bytes: Bytes,
-) -> Result<Artifact, BlobError> {
+async fn store(blobs: &Blobs, kind: ArtifactKind, bytes: Bytes) -> Result<Artifact, BlobError> {
     let stored = blobs.put(BlobFolder::Artifacts, bytes).await?;
     Ok(Artifact {
-        name: name.into(),
-        media_type: media_type.into(),
+        name: kind.name().into(),
+        media_type: kind.media_type().into(),
         bytes: stored.bytes,
         sha256: stored.sha256,
         blob: stored.name,
@@ -24,11 +20,11 @@ async fn store(
 /// Store files in this order; nothing stays behind if one of them cannot be.
 pub async fn store_all(
     blobs: &Blobs,
-    files: impl IntoIterator<Item = (&str, &str, Bytes)>,
+    files: impl IntoIterator<Item = (ArtifactKind, Bytes)>,
 ) -> Result<Vec<Artifact>, BlobError> {
     let mut stored = Vec::new();
-    for (name, media_type, bytes) in files {
-        match store(blobs, name, media_type, bytes).await {
+    for (kind, bytes) in files {
+        match store(blobs, kind, bytes).await {
             Ok(artifact) => stored.push(artifact),
             Err(error) => {
                 discard(blobs, &stored).await;

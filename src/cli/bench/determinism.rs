@@ -10,8 +10,7 @@ use super::files::{guarded, named, stem};
 use super::how::{How, unwrap};
 use crate::cli::input::Files;
 use crate::contract::UnwrapOptions;
-use crate::device::Device;
-use crate::pipeline::Unwrapped;
+use crate::pipeline::{Engine, Unwrapped};
 
 /// Threads of each run; the others are held against the first.
 const THREADS: [usize; 4] = [1, 1, 2, 2];
@@ -30,7 +29,7 @@ pub struct Args {
 
 /// Run it: one line an object, a summary; an error if any object differs or fails.
 pub fn run(args: Args) -> Result<()> {
-    let device = args.how.device()?;
+    let engine = args.how.engine()?;
     let pool = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.context("cannot start the threads")
@@ -39,7 +38,7 @@ pub fn run(args: Args) -> Result<()> {
     let paths = named(&args.dir, &args.names)?;
     let (mut same, mut differ, mut failed) = (0, 0, 0);
     for path in &paths {
-        let verdict = match guarded(|| compare(path, &args.how.options, &device, &pools)) {
+        let verdict = match guarded(|| compare(path, &args.how.options, &engine, &pools)) {
             Ok((text, true)) => {
                 same += 1;
                 text
@@ -66,11 +65,11 @@ pub fn run(args: Args) -> Result<()> {
 fn compare(
     path: &Path,
     options: &UnwrapOptions,
-    device: &Device,
+    engine: &Engine,
     pools: &[ThreadPool],
 ) -> Result<(String, bool)> {
     let files = Files::read(path, None)?;
-    let unwrap = |pool: &ThreadPool| pool.install(|| unwrap(&files, options, device));
+    let unwrap = |pool: &ThreadPool| pool.install(|| unwrap(&files, options, engine));
     let first = unwrap(&pools[0])?;
     let mut text = format!("{} triangles", triangles(&first));
     let mut clocked = !first.metrics.deterministic;
@@ -81,8 +80,9 @@ fn compare(
         let differing = first.differences(&again);
         if !differing.is_empty() {
             same = false;
+            let names: Vec<&str> = differing.iter().map(|kind| kind.name()).collect();
             let threads = pool.current_num_threads();
-            text += &format!(", run {run} ({threads} threads) differs: {}", differing.join(", "));
+            text += &format!(", run {run} ({threads} threads) differs: {}", names.join(", "));
         }
     }
     if same {

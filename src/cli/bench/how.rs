@@ -1,11 +1,12 @@
 //! How every benchmark unwraps: on which device, with which options.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 
 use crate::cli::input::Files;
+use crate::cli::options::valid;
 use crate::contract::{Limits, Run, UnwrapOptions};
-use crate::device::{self, Device, DeviceChoice};
-use crate::pipeline::{self, Unwrapped};
+use crate::device::{self, DeviceChoice};
+use crate::pipeline::{self, Engine, Unwrapped};
 
 /// Arguments that the benchmarks share.
 #[derive(Debug, clap::Args)]
@@ -18,17 +19,15 @@ pub struct How {
 }
 
 impl How {
-    /// The device; an error for options that no object could be unwrapped with.
-    pub fn device(&self) -> Result<Device> {
-        if let Err(errors) = self.options.validate() {
-            bail!("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"));
-        }
-        Ok(device::choose(&self.device)?)
+    /// What computes; an error for options that no object could be unwrapped with.
+    pub fn engine(&self) -> Result<Engine> {
+        valid(&self.options)?;
+        Ok(Engine::new(device::choose(&self.device)?))
     }
 }
 
 /// Unwrap an object, quietly and within the limits of the service.
-pub fn unwrap(files: &Files, options: &UnwrapOptions, device: &Device) -> Result<Unwrapped> {
+pub fn unwrap(files: &Files, options: &UnwrapOptions, engine: &Engine) -> Result<Unwrapped> {
     let limits = Limits::default();
-    Ok(pipeline::unwrap_input(&files.input(), options, &limits, device, &Run::quiet())?)
+    Ok(pipeline::unwrap_input(&files.input(), options, &limits, engine, &Run::quiet())?)
 }

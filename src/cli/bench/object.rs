@@ -11,9 +11,11 @@ use super::files::guarded;
 use super::how::unwrap;
 use super::{peer, table};
 use crate::cli::input::Files;
-use crate::contract::{Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{
+    ArtifactKind, Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions,
+};
 use crate::mesh;
+use crate::pipeline::Engine;
 
 /// An isometry by this peer's arithmetic: single precision leaves so much.
 const ROUNDING: f64 = 1e-5;
@@ -25,8 +27,8 @@ const WIDENINGS: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
 pub struct Arms<'a> {
     /// The options of the main arm.
     pub options: &'a UnwrapOptions,
-    /// Where networks train.
-    pub device: &'a Device,
+    /// What computes.
+    pub engine: &'a Engine,
     /// Only the main arm and the peer.
     pub single: bool,
     /// The judge's command line.
@@ -46,7 +48,7 @@ pub fn line(name: &str, path: &Path, arms: &Arms) -> Value {
 fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
     let labels = labels_beside(path);
     let files = Files::read(path, None)?;
-    let unwrapped = unwrap(&files, arms.options, arms.device)?;
+    let unwrapped = unwrap(&files, arms.options, arms.engine)?;
     let input = files.input();
     let scene = mesh::import(input.bytes, input.kind, &Limits::default())?;
     let surface = mesh::condition(&scene, &Run::quiet())?;
@@ -67,7 +69,7 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
                 quality: Quality::Fast,
                 ..arms.options.clone()
             };
-            let along = unwrap(&files, &options, arms.device)?;
+            let along = unwrap(&files, &options, arms.engine)?;
             line.insert("along_labels".into(), figures(&along.metrics));
         }
     }
@@ -77,8 +79,8 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
         None => arms.folder.join("model.glb"),
     };
     if arms.models.is_some() || arms.judge.is_some() {
-        std::fs::write(&model, unwrapped.artifact("model.glb").unwrap_or_default())?;
-        if let (Some(_), Some(picture)) = (arms.models, unwrapped.artifact("preview.png")) {
+        std::fs::write(&model, unwrapped.artifact(ArtifactKind::Model).unwrap_or_default())?;
+        if let (Some(_), Some(picture)) = (arms.models, unwrapped.artifact(ArtifactKind::Preview)) {
             std::fs::write(model.with_extension("png"), picture)?;
         }
     }
@@ -103,7 +105,7 @@ fn matched(files: &Files, ours: &Metrics, peer: &Value, arms: &Arms) -> Result<V
             quality: Quality::Fast,
             ..arms.options.clone()
         };
-        let found = figures(&unwrap(files, &options, arms.device)?.metrics);
+        let found = figures(&unwrap(files, &options, arms.engine)?.metrics);
         let within = |e: f64| e <= limit + ROUNDING;
         if !best.is_null() && !found["symmetric_dirichlet"].as_f64().is_some_and(within) {
             break;

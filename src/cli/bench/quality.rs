@@ -45,7 +45,7 @@ pub struct Args {
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let device = args.how.device()?;
+    let engine = args.how.engine()?;
     let shard = args.shard.of(&args.dir)?.into_iter();
     let done = done(&args.output)?;
     let folder = std::env::temp_dir().join(format!("uvsegnet-bench-{}", std::process::id()));
@@ -55,7 +55,7 @@ pub fn run(args: Args) -> Result<()> {
     }
     let arms = Arms {
         options: &args.how.options,
-        device: &device,
+        engine: &engine,
         single: args.single,
         judge: args.judge.as_deref(),
         folder: &folder,

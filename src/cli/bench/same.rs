@@ -42,6 +42,9 @@ pub struct Args {
     /// Write one JSON line an object here, with the digest of every file.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
+    /// A difference that is meant, as it is printed: it is told and is no error.
+    #[arg(long, value_name = "WHAT")]
+    pub expect: Vec<String>,
     /// What both programs are told besides, as in `-- --quality fast`.
     #[arg(last = true)]
     pub options: Vec<String>,
@@ -82,10 +85,18 @@ pub fn run(args: Args) -> Result<()> {
     for (what, objects) in &what {
         println!("{what}: {} objects, the first {}", objects.len(), objects[0]);
     }
-    let differing: BTreeSet<&String> = what.values().flatten().collect();
+    let meant = |what: &String| args.expect.contains(what);
+    let differing: BTreeSet<&String> =
+        what.iter().filter(|(what, _)| !meant(what)).flat_map(|(_, objects)| objects).collect();
     let same = objects - differing.len() - failed;
-    println!("{objects} objects: {same} the same, {} differ, {failed} failed", differing.len());
-    if same < objects { bail!("{} of {objects} objects are not the same", objects - same) }
+    let but = if what.keys().any(meant) { " but for what is expected" } else { "" };
+    println!(
+        "{objects} objects: {same} the same{but}, {} differ, {failed} failed",
+        differing.len()
+    );
+    if same < objects {
+        bail!("{} of {objects} objects are not the same", objects - same)
+    }
     Ok(())
 }
 
@@ -167,8 +178,7 @@ fn unwrap(
     let began = Instant::now();
     let output = command.output().with_context(|| format!("cannot run {}", program.display()))?;
     let seconds = began.elapsed().as_secs_f64();
-    let mut run =
-        Run { digests: BTreeMap::new(), refused: None, seconds, metrics: Value::Null };
+    let mut run = Run { digests: BTreeMap::new(), refused: None, seconds, metrics: Value::Null };
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         let said = said.lines().filter(|line| line.starts_with("error:"));
@@ -228,13 +238,18 @@ mod tests {
     #[test]
     fn members_that_differ_are_named_by_their_place() {
         let old = json!({"atlas": {"charts": 3, "pages": 1}, "parts": [{"id": 0}, {"id": 1}]});
-        let new = json!({"atlas": {"charts": 3, "pages": 2, "x": 0}, "parts": [{"id": 0}, {"id": 2}]});
+        let new =
+            json!({"atlas": {"charts": 3, "pages": 2, "x": 0}, "parts": [{"id": 0}, {"id": 2}]});
         let mut differ = BTreeSet::new();
         members("", &old, &new, &mut differ);
         let differ: Vec<String> = differ.into_iter().collect();
         assert_eq!(
             differ,
-            ["metrics.json /atlas/pages", "metrics.json /atlas/x (new)", "metrics.json /parts/*/id"]
+            [
+                "metrics.json /atlas/pages",
+                "metrics.json /atlas/x (new)",
+                "metrics.json /parts/*/id"
+            ]
         );
         let mut none = BTreeSet::new();
         members("", &old, &old, &mut none);

@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::super::weights::Weights;
+use super::super::weights::WeightFlags;
 use super::files::{Shard, guarded, named, stem};
 use crate::contract::{Run, SegmentationSource};
 use crate::device::{DeviceChoice, choose};
@@ -21,7 +21,7 @@ use crate::segmentation::borders::border_agreement;
 use crate::segmentation::fusion::{CUT, fuse};
 use crate::segmentation::regions::{Heard, gather};
 use crate::segmentation::sheets::Outside;
-use crate::segmentation::{self, Network, PartLabels, network};
+use crate::segmentation::{self, Network, PartLabels, SegmentOptions, Weights};
 use crate::synth::SynthKind;
 use crate::training::{LabelledMesh, held_out, read_labelled};
 
@@ -32,7 +32,7 @@ pub struct Args {
     pub dir: PathBuf,
     /// Which weights the network has.
     #[command(flatten)]
-    pub weights: Weights,
+    pub weights: WeightFlags,
     /// One share of the objects, by size: I/N.
     #[arg(long, default_value_t)]
     pub shard: Shard,
@@ -92,10 +92,10 @@ pub fn run(args: Args) -> Result<()> {
         None => args.shard.of(&args.dir)?,
     };
     let device = choose(&args.device)?;
-    args.weights.apply();
-    let network = network(&device)?;
+    let weights = args.weights.weights()?;
+    let network = weights.network(&device)?;
     let one = |file: &PathBuf| {
-        let row = guarded(|| object(file, &network, &args.seeds));
+        let row = guarded(|| object(file, &weights, &network, &args.seeds));
         if let Err(error) = &row {
             eprintln!("{}: {error:#}", stem(file));
         }
@@ -113,7 +113,7 @@ pub fn run(args: Args) -> Result<()> {
     Ok(())
 }
 
-fn object(file: &Path, network: &Network, seeds: &[u64]) -> Result<Row> {
+fn object(file: &Path, weights: &Weights, network: &Network, seeds: &[u64]) -> Result<Row> {
     let run = Run::quiet();
     let mesh = read_labelled(file, &run)?;
     let surface = &mesh.surface;
@@ -131,7 +131,9 @@ fn object(file: &Path, network: &Network, seeds: &[u64]) -> Result<Row> {
         let auto = fused(Heard::ALL)?;
         seconds += start.elapsed().as_secs_f64() / seeds.len() as f64;
         let source = |source| -> Result<Vec<i32>> {
-            let parts = segmentation::segment(surface, &cloud, source, CUT, &network.device, &run)?;
+            let options = SegmentOptions { source, cut: CUT };
+            let device = &network.device;
+            let parts = segmentation::segment(surface, &cloud, &options, weights, device, &run)?;
             Ok(labels(&parts))
         };
         let found = [

@@ -7,8 +7,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use super::files::{Shard, guarded, named, stem};
 use super::how::{How, unwrap};
 use crate::cli::input::Files;
-use crate::contract::{Metrics, UnwrapOptions};
-use crate::device::Device;
+use crate::contract::{ArtifactKind, Metrics, UnwrapOptions};
+use crate::pipeline::Engine;
 use crate::preview::{SheetCell, contact_sheet};
 
 /// Arguments of `uvsegnet bench sheet`.
@@ -37,7 +37,7 @@ pub struct Args {
 
 /// Run it. An object that fails has an empty place on the sheet, and the command fails in the end.
 pub fn run(args: Args) -> Result<()> {
-    let device = args.how.device()?;
+    let engine = args.how.engine()?;
     let mut paths = match &args.names {
         Some(names) => named(&args.dir, names)?,
         None => args.shard.of(&args.dir)?,
@@ -46,7 +46,7 @@ pub fn run(args: Args) -> Result<()> {
     let mut failed = 0;
     let mut cells = Vec::new();
     for path in &paths {
-        let cell = guarded(|| cell(path, &args.how.options, &device)).unwrap_or_else(|error| {
+        let cell = guarded(|| cell(path, &args.how.options, &engine)).unwrap_or_else(|error| {
             failed += 1;
             SheetCell { preview: None, caption: vec![stem(path), format!("{error:#}")] }
         });
@@ -63,10 +63,10 @@ pub fn run(args: Args) -> Result<()> {
 }
 
 /// One object: unwrapped, with its name and its figures.
-fn cell(path: &Path, options: &UnwrapOptions, device: &Device) -> Result<SheetCell> {
+fn cell(path: &Path, options: &UnwrapOptions, engine: &Engine) -> Result<SheetCell> {
     let files = Files::read(path, None)?;
-    let unwrapped = unwrap(&files, options, device)?;
-    let preview = unwrapped.artifact("preview.png").ok_or_else(|| anyhow!("no preview"))?;
+    let unwrapped = unwrap(&files, options, engine)?;
+    let preview = unwrapped.artifact(ArtifactKind::Preview).ok_or_else(|| anyhow!("no preview"))?;
     let mut caption = vec![stem(path)];
     caption.extend(figures(&unwrapped.metrics));
     Ok(SheetCell { preview: Some(preview.to_vec()), caption })

@@ -1,13 +1,15 @@
 //! The files that a job made. Their bytes never change, so the SHA-256 is a strong entity tag, and
 //! a broken download goes on where it broke off.
 
+use std::sync::LazyLock;
+
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header};
 use axum::response::IntoResponse;
 
-use crate::contract::ErrorCode;
+use crate::contract::{ArtifactKind, ErrorCode};
 use crate::http::conditional::{ETag, Range};
 use crate::http::docs::{FileBytes, refusals};
 use crate::http::{AppState, ArtifactBody, ArtifactList, Problem};
@@ -20,7 +22,8 @@ refusals! { ListRefused: NotFound Internal }
 
 /// List what a job made
 ///
-/// Empty until the job succeeds. After expiry the list stays and the files are gone.
+/// Empty until the job is over. A job that failed has its log if a worker has run it. After expiry the
+/// list stays and the files are gone.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/artifacts", tag = "artifacts", operation_id = "list_artifacts",
     params(("id" = String, Path, description = "The job")),
@@ -35,16 +38,25 @@ pub async fn list(
     Ok(Json(ArtifactList { data }))
 }
 
+/// Every file that a job can make, in words.
+static NAMES: LazyLock<String> = LazyLock::new(|| {
+    let file = |kind: &ArtifactKind| format!("`{}` ({})", kind.name(), kind.when().as_str());
+    format!(
+        "The file's name: {}",
+        ArtifactKind::ALL.iter().map(file).collect::<Vec<_>>().join(", ")
+    )
+});
+
 refusals! { FetchRefused: NotFound ArtifactExpired RangeNotSatisfiable Internal }
 
 /// Get a file
 ///
-/// `model.glb`, `metrics.json`, `uv_layout.svg`, `preview.png` or `log.jsonl`.
+/// Its name is one of the table in the description of the parameter.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/artifacts/{name}", tag = "artifacts", operation_id = "get_artifact",
     params(
         ("id" = String, Path, description = "The job"),
-        ("name" = String, Path, description = "The file's name", example = "model.glb"),
+        ("name" = String, Path, description = NAMES.as_str(), example = "model.glb"),
         ("Range" = Option<String>, Header, description = "One range of bytes, as in `bytes=0-1023`"),
         ("If-Range" = Option<String>, Header, description = "The ETag that the range is of"),
         ("If-None-Match" = Option<String>, Header, description = "The ETag that the client has"),

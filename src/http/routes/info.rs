@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use crate::contract::{Limits, MeshKind, UnwrapOptions};
 use crate::http::docs::refusals;
+use crate::http::upload::granted;
 use crate::http::{AppState, Problem};
 use crate::jobs::Worker;
 
@@ -53,8 +54,8 @@ pub async fn info(State(state): State<AppState>) -> Result<Json<InfoBody>, Probl
         name: env!("CARGO_PKG_NAME"),
         version: env!("CARGO_PKG_VERSION"),
         formats: vec![MeshKind::Glb, MeshKind::Gltf, MeshKind::Obj],
+        default_options: granted(UnwrapOptions::default(), &state.limits),
         limits: state.limits,
-        default_options: UnwrapOptions::default(),
         queue: QueueBody { queued: stats.queued, running: stats.running },
         workers: stats.workers,
     }))

@@ -32,6 +32,7 @@ pub fn all() -> Router<AppState> {
         .route("/openapi.yaml", get(docs::yaml))
         .route("/docs", get(docs::redirect))
         .route("/docs/", get(docs::index))
+        .route("/docs/errors", get(docs::errors))
         .route("/docs/{file}", get(docs::file))
 }
 

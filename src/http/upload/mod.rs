@@ -134,9 +134,11 @@ fn misplaced(pairs: &[(String, String)]) -> Problem {
     Problem::invalid_options(pairs.iter().map(wrong).collect())
 }
 
-/// A job never gets more time than the service grants.
-fn granted(mut options: UnwrapOptions, limits: &Limits) -> UnwrapOptions {
-    options.budget_s = options.budget_s.min(limits.job_seconds as f64);
+/// A job never gets more time or memory than the service grants.
+pub fn granted(mut options: UnwrapOptions, limits: &Limits) -> UnwrapOptions {
+    let most = limits.job_seconds as f64;
+    options.budget_s = options.budget_s.map(|s| s.min(most));
+    options.budget_mib = options.budget_mib.min(limits.job_mib);
     options
 }
 
@@ -178,10 +180,13 @@ mod tests {
     }
 
     #[test]
-    fn time_is_cut_to_what_is_granted() {
+    fn time_and_memory_are_cut_to_what_is_granted() {
         let limits = Limits { job_seconds: 30, ..Limits::default() };
-        assert_eq!(granted(UnwrapOptions::default(), &limits).budget_s, 30.0);
-        let short = UnwrapOptions { budget_s: 5.0, ..UnwrapOptions::default() };
-        assert_eq!(granted(short, &limits).budget_s, 5.0);
+        let asked = |budget_s| UnwrapOptions { budget_s, ..UnwrapOptions::default() };
+        assert_eq!(granted(asked(None), &limits).budget_s, None);
+        assert_eq!(granted(asked(Some(600.0)), &limits).budget_s, Some(30.0));
+        assert_eq!(granted(asked(Some(5.0)), &limits).budget_s, Some(5.0));
+        let greedy = UnwrapOptions { budget_mib: 1 << 20, ..UnwrapOptions::default() };
+        assert_eq!(granted(greedy, &limits).budget_mib, limits.job_mib);
     }
 }

@@ -1,18 +1,27 @@
 //! Whole jobs through the library, on the samples: valid output, the same bytes at any number of
 //! threads, files that the glTF validator accepts.
 
+mod benchmarks;
+mod budget;
+mod certificate;
+mod options;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use uvsegnet::contract::{
-    ChartForm, DoubleSided, ErrorCode, Limits, MeshKind, Quality, Rotation, Run,
+    ArtifactKind, ChartForm, DoubleSided, ErrorCode, Limits, MeshKind, Quality, Rotation, Run,
     SegmentationSource, StopAfter, UnwrapOptions,
 };
 use uvsegnet::device::Device;
-use uvsegnet::pipeline::{Input, UnwrapError, Unwrapped, unwrap_input};
+use uvsegnet::pipeline::{Engine, Input, UnwrapError, Unwrapped, unwrap_input};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
+}
+
+fn kind_of(bytes: &[u8]) -> MeshKind {
+    MeshKind::detect(bytes).unwrap()
 }
 
 fn unwrap(
@@ -20,9 +29,8 @@ fn unwrap(
     labels: Option<&[u8]>,
     options: &UnwrapOptions,
 ) -> Result<Unwrapped, UnwrapError> {
-    let kind = MeshKind::detect(bytes).unwrap();
-    let input = Input { bytes, kind, labels };
-    unwrap_input(&input, options, &Limits::default(), &Device::cpu(), &Run::quiet())
+    let input = Input { bytes, kind: kind_of(bytes), labels };
+    unwrap_input(&input, options, &Limits::default(), &Engine::new(Device::cpu()), &Run::quiet())
 }
 
 fn unwrap_example(name: &str, options: &UnwrapOptions) -> Unwrapped {
@@ -121,7 +129,7 @@ fn given_labels_are_kept() {
     let given: std::collections::BTreeSet<&str> =
         std::str::from_utf8(&labels).unwrap().lines().collect();
     assert!(m.parts.len() >= given.len());
-    assert!(m.parts.iter().all(|p| p.source == "labels"));
+    assert!(m.parts.iter().all(|p| p.source == SegmentationSource::Labels));
     // Charts never cross a part: all of the boundary between parts is seam.
     let alignment = m.atlas.figures.boundary_alignment.unwrap();
     assert!((alignment.recall - 1.0).abs() < 1e-9, "{alignment:?}");
@@ -133,12 +141,12 @@ fn given_labels_are_kept() {
 fn a_job_may_end_with_its_parts() {
     let options = UnwrapOptions { stop_after: Some(StopAfter::Segmentation), ..quick() };
     let result = unwrap_example("table.glb", &options);
-    let labels = std::str::from_utf8(result.artifact("labels.txt").unwrap()).unwrap();
+    let labels = std::str::from_utf8(result.artifact(ArtifactKind::Labels).unwrap()).unwrap();
     let faces: u64 = result.metrics.parts.iter().map(|p| p.faces).sum();
     assert_eq!(labels.lines().count() as u64, faces);
     assert!(result.metrics.parts.len() > 3);
     // The model tells the parts, and given back, they are its labels.
-    let model = result.artifact("model.glb").unwrap();
+    let model = result.artifact(ArtifactKind::Model).unwrap();
     let document = gltf::Gltf::from_slice(model).unwrap().document.into_json();
     let extras: serde_json::Value =
         serde_json::from_str(document.asset.extras.as_ref().unwrap().get()).unwrap();
@@ -147,7 +155,7 @@ fn a_job_may_end_with_its_parts() {
     assert_eq!(told[0]["name"], result.metrics.parts[0].name);
     let options = UnwrapOptions { segmentation: SegmentationSource::Labels, ..options };
     let again = unwrap(model, None, &options).unwrap();
-    assert!(again.metrics.parts.iter().all(|p| p.source == "labels"));
+    assert!(again.metrics.parts.iter().all(|p| p.source == SegmentationSource::Labels));
     assert_eq!(again.metrics.parts.len(), result.metrics.parts.len());
     assert_eq!(result.artifacts().len(), 4);
 }
@@ -209,11 +217,11 @@ fn pages_go_to_tiles_of_their_own_or_share_one() {
         assert_eq!((m.atlas.pages, m.atlas.udim), (12, udim));
         let pages: std::collections::BTreeSet<u32> = m.charts.iter().map(|c| c.page).collect();
         assert_eq!(pages, (0..12).collect());
-        let tiles = tiles(result.artifact("model.glb").unwrap());
+        let tiles = tiles(result.artifact(ArtifactKind::Model).unwrap());
         assert!(tiles.iter().all(|t| t.iter().all(|&tile| tile == t[0])), "no triangle is torn");
         let tiles: std::collections::BTreeSet<u32> = tiles.iter().map(|t| t[0]).collect();
         assert_eq!(tiles, if udim { (1001..1013).collect() } else { [1001].into() });
-        let layout = std::str::from_utf8(result.artifact("uv_layout.svg").unwrap()).unwrap();
+        let layout = std::str::from_utf8(result.artifact(ArtifactKind::Layout).unwrap()).unwrap();
         assert_eq!(layout.matches("<rect").count(), 12);
     }
 }
@@ -268,7 +276,7 @@ fn the_validator_finds_no_error() {
     for name in SAMPLES {
         let path = dir.path().join(name);
         let result = unwrap_example(name, &UnwrapOptions { quality: Quality::Fast, ..quick() });
-        std::fs::write(&path, result.artifact("model.glb").unwrap()).unwrap();
+        std::fs::write(&path, result.artifact(ArtifactKind::Model).unwrap()).unwrap();
         files.push(path);
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/validator/validate.cjs");
@@ -276,92 +284,4 @@ fn the_validator_finds_no_error() {
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(said.lines().count(), SAMPLES.len());
-}
-
-#[test]
-fn the_quality_benchmark_writes_a_line_an_object_and_resumes() {
-    let dir = tempfile::tempdir().unwrap();
-    let meshes = dir.path().join("meshes");
-    std::fs::create_dir(&meshes).unwrap();
-    for name in ["table.glb", "knife.glb"] {
-        std::fs::copy(example(name), meshes.join(name)).unwrap();
-    }
-    std::fs::write(meshes.join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
-    let lines = dir.path().join("quality.jsonl");
-    let bench = |limit: &str| {
-        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
-            .args(["bench", "quality", "--quality", "fast", "--limit", limit, "--output"])
-            .args([&lines, &meshes])
-            .output()
-            .unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let text = std::fs::read_to_string(&lines).unwrap();
-        let lines: Vec<serde_json::Value> =
-            text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
-        (lines, String::from_utf8(output.stdout).unwrap())
-    };
-    assert_eq!(bench("1").0.len(), 1);
-    let (lines, table) = bench("9");
-    assert_eq!(lines.len(), 3);
-    assert!(table.starts_with("3 objects, 2 unwrapped, 1 refused or failed"), "{table}");
-    for line in lines.iter().filter(|l| l["ours"].is_object()) {
-        assert_eq!(line["ours"]["valid"], true);
-        // The point of it all: fewer charts than the classical unwrapper.
-        assert!(line["ours"]["charts"].as_u64() < line["peer"]["charts"].as_u64(), "{line}");
-    }
-}
-
-#[test]
-fn the_determinism_benchmark_says_who_is_the_same_and_who_failed() {
-    let dir = tempfile::tempdir().unwrap();
-    let (meshes, names) = (dir.path().join("meshes"), dir.path().join("names.txt"));
-    std::fs::create_dir_all(meshes.join("deep")).unwrap();
-    std::fs::copy(example("knife.glb"), meshes.join("deep/knife.glb")).unwrap();
-    std::fs::write(meshes.join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
-    let bench = |list: &str| {
-        std::fs::write(&names, list).unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
-            .args(["bench", "determinism", "--steps", "20", "--names"])
-            .args([&names, &meshes])
-            .output()
-            .unwrap();
-        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
-        (output.status.code(), said)
-    };
-    let (code, said) = bench("# knives\n\nknife # with a handle\n");
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains(" triangles, ok\n1 objects: 1 the same bytes, 0 differ"), "{said}");
-    let (code, said) = bench("broken\nknife\n");
-    assert_eq!(code, Some(1), "{said}");
-    assert!(said.contains("2 objects: 1 the same bytes, 0 differ, 1 failed"), "{said}");
-    let (code, said) = bench("spoon\n");
-    assert_eq!(code, Some(1), "{said}");
-    assert!(said.contains("no spoon"), "{said}");
-}
-
-#[test]
-fn the_sheet_shows_every_object_and_says_who_failed() {
-    let dir = tempfile::tempdir().unwrap();
-    for name in ["knife.glb", "table.glb"] {
-        std::fs::copy(example(name), dir.path().join(name)).unwrap();
-    }
-    let sheet = dir.path().join("sheet.png");
-    let bench = || {
-        let output = Command::new(env!("CARGO_BIN_EXE_uvsegnet"))
-            .args(["bench", "sheet", "--quality", "fast", "--columns", "2", "--output"])
-            .args([sheet.as_path(), dir.path()])
-            .output()
-            .unwrap();
-        let said = String::from_utf8(output.stderr).unwrap();
-        let reader =
-            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&sheet).unwrap()));
-        (output.status.success(), said, reader.read_info().unwrap().info().size())
-    };
-    let (success, said, size) = bench();
-    assert!(success, "{said}");
-    assert!(said.contains("knife, ") && said.contains(" charts, seam "), "{said}");
-    std::fs::write(dir.path().join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
-    let (success, said, larger) = bench();
-    assert!(!success && said.contains("1 of 3 objects could not be unwrapped"), "{said}");
-    assert_eq!((larger.0, larger.1 > size.1), (size.0, true));
 }

@@ -8,11 +8,11 @@ const NAMED: usize = 20;
 
 /// Texel density of each part relative to the others. A key that is the number of a part means that
 /// part, any other the parts of that name.
-pub fn weights(parts: &[Part], options: &UnwrapOptions) -> Result<Vec<f64>, OptionError> {
+pub fn densities(parts: &[Part], options: &UnwrapOptions) -> Result<Vec<f64>, OptionError> {
     let wrong = |detail| OptionError { pointer: "/density".into(), detail };
     let asked = density_weights(options.density.as_deref().unwrap_or_default())
         .map_err(|want| wrong(format!("must be {want}")))?;
-    let mut weights = vec![1.0; parts.len()];
+    let mut densities = vec![1.0; parts.len()];
     for (key, factor) in asked {
         let number = parts.iter().position(|p| p.id.to_string() == key);
         let named = (0..parts.len()).filter(|&i| parts[i].name == key);
@@ -24,7 +24,7 @@ pub fn weights(parts: &[Part], options: &UnwrapOptions) -> Result<Vec<f64>, Opti
             let known = known.join(", ");
             return Err(wrong(format!("there is no part {key:?}; the parts are {known}{more}")));
         }
-        meant.into_iter().for_each(|i| weights[i] = factor);
+        meant.into_iter().for_each(|i| densities[i] = factor);
     }
-    Ok(weights)
+    Ok(densities)
 }
