@@ -168,7 +168,7 @@ fn polish(surface: &Surface, charts: &[Chart]) -> Vec<UvMap> {
         if flatten::quality(&chart.disk, &chart.start).is_isometric() {
             return chart.cut_map.clone();
         }
-        let uv = flatten::slim(&chart.disk, &chart.cut_map, &options, &Run::quiet())
+        let uv = flatten::slim(&chart.disk, &chart.cut_map, &options, &Run::quiet().cancel)
             .expect("nothing cancels it");
         if charts::is_sound(&chart.disk, &uv, clearance) { uv } else { chart.cut_map.clone() }
     };
