@@ -3,6 +3,7 @@
 mod bench;
 mod demo;
 mod doctor;
+mod formats;
 mod input;
 mod openapi;
 mod progress_bar;
@@ -47,6 +48,8 @@ enum Command {
     Synth(synth::Args),
     /// Train the segmentation network.
     Train(train::Args),
+    /// Print the table of mesh formats.
+    Formats(formats::Args),
     /// Print the OpenAPI description of the service.
     Openapi(openapi::Args),
 }
@@ -63,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Train(args) => train::run(args),
+        Command::Formats(args) => formats::run(args),
         Command::Openapi(args) => openapi::run(args),
     };
     match result {

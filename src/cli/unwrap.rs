@@ -7,14 +7,15 @@ use anyhow::{Context, Result, bail};
 use super::input::Files;
 use super::progress_bar;
 use super::weights::Weights;
-use crate::contract::{Limits, UnwrapOptions};
+use crate::contract::{Limits, MeshKind, UnwrapOptions};
 use crate::device::{self, DeviceChoice};
 use crate::pipeline;
 
 /// Arguments of `uvsegnet unwrap`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The mesh: GLB, glTF with data URIs, or OBJ.
+    /// The mesh.
+    #[arg(help = format!("The mesh: {}", MeshKind::inputs()))]
     pub input: PathBuf,
     /// Where the UV'd GLB goes.
     #[arg(short, long)]

@@ -7,8 +7,8 @@ mod cancel;
 mod certificate;
 mod density;
 mod error_code;
+mod format;
 mod limits;
-mod mesh_kind;
 mod metrics;
 mod option_values;
 mod options;
@@ -19,8 +19,8 @@ pub use cancel::{Cancel, Canceled};
 pub use certificate::Certificate;
 pub use density::weights as density_weights;
 pub use error_code::{ErrorCode, JobError};
+pub use format::{Carry, MeshKind};
 pub use limits::Limits;
-pub use mesh_kind::MeshKind;
 pub use metrics::*;
 pub use option_values::{
     AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,

@@ -52,7 +52,7 @@ pub async fn info(State(state): State<AppState>) -> Result<Json<InfoBody>, Probl
     Ok(Json(InfoBody {
         name: env!("CARGO_PKG_NAME"),
         version: env!("CARGO_PKG_VERSION"),
-        formats: vec![MeshKind::Glb, MeshKind::Gltf, MeshKind::Obj],
+        formats: MeshKind::ALL.to_vec(),
         limits: state.limits,
         default_options: UnwrapOptions::default(),
         queue: QueueBody { queued: stats.queued, running: stats.running },
