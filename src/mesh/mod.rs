@@ -5,6 +5,7 @@ mod condition;
 mod disjoint;
 mod existing_seams;
 pub mod export;
+mod formats;
 pub mod import;
 mod maxflow;
 mod orient;

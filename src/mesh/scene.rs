@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::import::obj::ObjDocument;
+use super::formats::obj::ObjDocument;
 
 /// What was read from a file.
 #[derive(Debug, Clone)]

@@ -2,19 +2,19 @@
 
 use serde_json::{Map, Value};
 
-use super::binary::Streams;
 use super::stored;
+use crate::mesh::formats::gltf::binary::Streams;
 
 /// The vertex attribute that tells parts: a whole number as a float, −1 unknown. Import reads it back as
 /// labels.
-pub(super) const PART: &str = "_PART";
+pub(in crate::mesh) const PART: &str = "_PART";
 
 /// One new value at each corner of each face, as the bits that tell vertices apart.
-pub(super) type Bits = [u32; 2];
+pub(in crate::mesh) type Bits = [u32; 2];
 
 /// What is written.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Layer<'a> {
+pub(in crate::mesh) enum Layer<'a> {
     /// Texture coordinates of the corners of each face, v up, into `TEXCOORD_{channel}`.
     Uvs {
         /// Faces × corners.

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 
 use super::{ExportError, as_exported, glb, part_glb};
 use crate::contract::{Limits, MeshKind};
-use crate::mesh::import::fixture::{Fixture, U8, rich, squares};
+use crate::mesh::formats::gltf::fixture::{Fixture, U8, rich, squares};
+use crate::mesh::formats::gltf::view::GltfView;
 use crate::mesh::import::import;
-use crate::mesh::import::view::GltfView;
 use crate::mesh::scene::{Document, Scene};
 
 fn read(bytes: &[u8]) -> Scene {
@@ -283,7 +283,7 @@ fn several_buffers_become_one() {
     f.json["images"] = json!([{"bufferView": image, "mimeType": "image/png"}]);
     f.json["buffers"] =
         json!([{"byteLength": f.bin.len()}, {"byteLength": 8, "uri": "data:,xpicture"}]);
-    let bytes = crate::mesh::import::fixture::glb(f.json.to_string().as_bytes(), &f.bin);
+    let bytes = crate::mesh::formats::gltf::fixture::glb(f.json.to_string().as_bytes(), &f.bin);
     let scene = read(&bytes);
     let out = read(&glb(&scene, &planar(&scene), 0, None).unwrap());
     let (json, buffers) = gltf(&out);

@@ -4,10 +4,10 @@ use glam::DVec3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::fixture::{F32, Fixture, U8, glb, rich, squares, strip};
 use super::{ImportError, import};
 use crate::contract::{ErrorCode, Limits, MeshKind};
 use crate::mesh::export;
+use crate::mesh::formats::gltf::fixture::{F32, Fixture, U8, glb, rich, squares, strip};
 use crate::mesh::scene::Scene;
 
 fn read(fixture: &Fixture) -> Result<Scene, ImportError> {

@@ -4,9 +4,9 @@
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::mesh::Mode;
 
-use super::ImportError;
 use super::accessor::Elements;
 use super::view::{GltfView, PrimitiveView};
+use crate::mesh::import::ImportError;
 
 /// How a primitive's corners are listed.
 pub(in crate::mesh) struct Corners<'a> {
@@ -92,7 +92,7 @@ impl<'a> Corners<'a> {
 /// Numbers the vertices that a primitive uses, leaving out the others: many primitives may share
 /// one large vertex buffer, and each is to cost no more than its own corners.
 #[derive(Default)]
-pub(super) struct Renumbering {
+pub(in crate::mesh) struct Renumbering {
     /// New number of each old vertex, [`u32::MAX`] between calls.
     slots: Vec<u32>,
 }

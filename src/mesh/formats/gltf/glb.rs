@@ -1,6 +1,6 @@
 //! The GLB container (glTF 2.0 specification, section 4.4): a header of 12 bytes, then chunks.
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 const HEADER: u64 = 12;
 const JSON: u32 = 0x4E4F_534A;

@@ -7,7 +7,6 @@ use glam::{DMat4, DVec3};
 use gltf::json::accessor::{ComponentType, Type};
 use serde_json::Value;
 
-use super::ImportError;
 use super::accessor::Elements;
 use super::extensions;
 use super::hierarchy::{self, MeshUse};
@@ -15,6 +14,7 @@ use super::textures;
 use super::triangles::{Corners, Renumbering};
 use super::view::{GltfView, PrimitiveView};
 use crate::contract::Limits;
+use crate::mesh::import::ImportError;
 use crate::mesh::scene::Primitive;
 
 /// Vertices that one accessor may declare, per triangle that a file may have. A soup has three.

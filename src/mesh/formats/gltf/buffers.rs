@@ -6,7 +6,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde_json::Value;
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,

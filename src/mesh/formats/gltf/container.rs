@@ -2,10 +2,10 @@
 
 use serde_json::Value;
 
-use super::ExportError;
+use crate::mesh::export::ExportError;
 
 /// A document and its binary chunk as one file.
-pub(super) fn glb(json: &Value, bin: &[u8]) -> Result<Vec<u8>, ExportError> {
+pub(in crate::mesh) fn glb(json: &Value, bin: &[u8]) -> Result<Vec<u8>, ExportError> {
     let text = json.to_string();
     let text_size = text.len().next_multiple_of(4);
     let bin_size = bin.len().next_multiple_of(4);

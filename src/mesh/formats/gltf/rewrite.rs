@@ -7,19 +7,18 @@ use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Mode;
 use serde_json::{Map, Value, json};
 
+use super::accessor::Elements;
 use super::binary::{Kind, Streams, drop_compressed, lay_out};
-use super::layer::Layer;
-use super::split::split;
-use super::{ExportError, references};
+use super::references;
+use super::textures::tangent_set;
+use super::triangles::Corners;
+use super::view::{GltfView, PrimitiveView};
+use crate::mesh::export::{ExportError, Layer, split};
 use crate::mesh::import::ImportError;
-use crate::mesh::import::accessor::Elements;
-use crate::mesh::import::textures::tangent_set;
-use crate::mesh::import::triangles::Corners;
-use crate::mesh::import::view::{GltfView, PrimitiveView};
 use crate::mesh::scene::Primitive;
 
 /// The document with `layer` in its `primitives`, and its binary chunk.
-pub(super) fn rewrite(
+pub(in crate::mesh) fn rewrite(
     json: &Value,
     buffers: &[Vec<u8>],
     primitives: &[Primitive],

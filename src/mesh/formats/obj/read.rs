@@ -4,9 +4,9 @@
 
 use std::collections::BTreeMap;
 
-use super::ImportError;
-use super::obj::{ABSENT, ObjCorner, ObjDocument, ObjRun};
+use super::{ABSENT, ObjCorner, ObjDocument, ObjRun};
 use crate::contract::Limits;
+use crate::mesh::import::ImportError;
 
 /// Changes of group or material that a file may have: each becomes a primitive.
 pub(super) const MOST_RUNS: usize = 16_384;

@@ -1,9 +1,9 @@
 //! What the OBJ reader promises.
 
-use super::ImportError;
-use super::obj::{ABSENT, ObjCorner, ObjDocument};
-use super::obj_reader::{MOST_RUNS, read};
+use super::read::{MOST_RUNS, read};
+use super::{ABSENT, ObjCorner, ObjDocument};
 use crate::contract::{ErrorCode, Limits};
+use crate::mesh::import::ImportError;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 2\n";
 

@@ -4,8 +4,8 @@
 use gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type};
 use gltf::json::validation::Checked;
 
-use super::ImportError;
 use super::view::GltfView;
+use crate::mesh::import::ImportError;
 
 /// What an accessor reads without a buffer view: zeros, as many as the largest element (MAT4 of
 /// f32) has bytes.

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::triangles::Renumbering;
+use crate::mesh::formats::gltf::triangles::Renumbering;
 use crate::mesh::scene::Primitive;
 
 /// "No texture coordinate", "no normal".

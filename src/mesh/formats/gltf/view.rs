@@ -8,7 +8,7 @@ use gltf::json::{Accessor, Mesh, Node, buffer};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 /// A document, read.
 pub(in crate::mesh) struct GltfView<'a> {

@@ -3,15 +3,13 @@
 
 use serde_json::{Map, Value, json};
 
-use super::binary::{Streams, lay_out};
-use super::layer::{Bits, Layer};
-use super::split::split;
-use super::{ExportError, stored};
-use crate::mesh::import::obj::{ABSENT, ObjCorner, ObjDocument, ObjRun};
+use super::{ABSENT, ObjCorner, ObjDocument, ObjRun};
+use crate::mesh::export::{Bits, ExportError, Layer, split, stored};
+use crate::mesh::formats::gltf::binary::{Streams, lay_out};
 
 /// The document with `layer`, and its binary chunk. The file's own texture coordinates are kept as
 /// TEXCOORD_0 unless that is the layer.
-pub(super) fn document(
+pub(in crate::mesh) fn document(
     document: &ObjDocument,
     layer: Layer,
 ) -> Result<(Value, Vec<u8>), ExportError> {

@@ -5,8 +5,8 @@ use glam::{DMat3, DMat4, DQuat, DVec3};
 use gltf::json::Node;
 use serde_json::Value;
 
-use super::ImportError;
 use super::view::GltfView;
+use crate::mesh::import::ImportError;
 
 /// A mesh of the default scene.
 #[derive(Debug, Clone, PartialEq)]
