@@ -89,11 +89,7 @@ impl Layer<'_> {
     ) -> Map<String, Value> {
         match self {
             Self::Uvs { .. } => streams.append_floats(values.map(|v| v.map(f32::from_bits))),
-            Self::Parts(_) => {
-                let mut accessor = streams.append_floats(values.map(|v| [f32::from_bits(v[0])]));
-                accessor.insert("type".into(), "SCALAR".into());
-                accessor
-            }
+            Self::Parts(_) => streams.append_floats(values.map(|v| [f32::from_bits(v[0])])),
         }
     }
 }

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use super::formats::{self, gltf};
 use super::import::ImportError;
 use super::scene::Scene;
-pub(in crate::mesh) use layer::{Bits, Layer};
+pub(in crate::mesh) use layer::Layer;
 pub(in crate::mesh) use split::split;
 
 /// A scene that cannot be written.

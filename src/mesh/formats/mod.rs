@@ -23,8 +23,10 @@ pub(super) fn read(bytes: &[u8], kind: MeshKind, limits: &Limits) -> Result<Scen
 
 /// A scene with a layer as a glTF document and its binary chunk.
 pub(super) fn write(scene: &Scene, layer: Layer) -> Result<(Value, Vec<u8>), ExportError> {
-    match &scene.document {
-        Document::Gltf { json, buffers } => gltf::rewrite(json, buffers, &scene.primitives, layer),
-        Document::Obj(document) => obj::write(document, layer),
+    match &scene.source {
+        Some(Document::Gltf { json, buffers }) => {
+            gltf::rewrite(json, buffers, &scene.primitives, layer)
+        }
+        None => gltf::fresh(scene, layer),
     }
 }

@@ -95,7 +95,8 @@ impl Streams {
             Bytes(bytes, 4 * N)
         });
         let place = self.append(Kind::Vertices(4 * N), elements);
-        accessor(place, ComponentType::F32, &format!("VEC{N}"), count)
+        let shape = if N == 1 { "SCALAR".to_owned() } else { format!("VEC{N}") };
+        accessor(place, ComponentType::F32, &shape, count)
     }
 
     /// The buffer views, their offsets still to be set.

@@ -5,6 +5,7 @@ pub(in crate::mesh) mod binary;
 mod buffers;
 mod container;
 mod extensions;
+mod fresh;
 mod glb;
 mod hierarchy;
 mod json;
@@ -19,11 +20,12 @@ pub(in crate::mesh) mod view;
 pub(in crate::mesh) mod fixture;
 
 pub(in crate::mesh) use container::glb;
+pub(in crate::mesh) use fresh::fresh;
 pub(in crate::mesh) use rewrite::rewrite;
 
 use crate::contract::Limits;
 use crate::mesh::import::ImportError;
-use crate::mesh::scene::{Document, Scene};
+use crate::mesh::scene::Scene;
 
 /// Read a GLB file.
 pub(super) fn read_glb(bytes: &[u8], limits: &Limits) -> Result<Scene, ImportError> {
@@ -45,11 +47,5 @@ pub(super) fn read_json(
     let mut json = json::parse(text, limits)?;
     extensions::check_required(&json)?;
     let buffers = buffers::decode(&mut json, bin)?;
-    let shown = read::read(&json, &buffers, limits)?;
-    Ok(Scene {
-        document: Document::Gltf { json, buffers },
-        primitives: shown.primitives,
-        labels: shown.labels,
-        warnings: shown.warnings,
-    })
+    read::read(json, buffers, limits)
 }
