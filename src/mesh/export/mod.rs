@@ -1,5 +1,5 @@
 //! Writing a scene with new texture coordinates, or with its parts, as GLB. Everything else of a glTF
-//! document stays as it was, in the same face order; an OBJ file becomes a fresh document.
+//! document stays as it was, in the same face order; a scene of another format becomes a fresh document.
 //!
 //! Inside, v points up; in glTF it points down. Here, and at no other place on the way out, v
 //! becomes 1 − v.

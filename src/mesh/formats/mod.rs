@@ -5,6 +5,9 @@
 pub(in crate::mesh) mod gltf;
 pub(in crate::mesh) mod obj;
 
+#[cfg(test)]
+mod tests;
+
 use serde_json::Value;
 
 use super::export::{ExportError, Layer};

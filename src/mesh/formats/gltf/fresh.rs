@@ -189,3 +189,64 @@ fn is_known(attribute: &Attribute) -> bool {
     families.iter().any(|family| attribute.name.starts_with(family))
         && (1..=4).contains(&attribute.values.width())
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contract::{Limits, MeshKind};
+    use crate::mesh::{ABSENT, Mesh, TEXCOORD, export, import};
+
+    #[test]
+    fn a_scene_without_a_document_reads_back_as_it_was() {
+        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE];
+        let square = || Primitive::from_triangles(corners.clone(), vec![[0, 1, 2], [1, 3, 2]]);
+        let mut scene = Scene { texcoord_origin: TexcoordOrigin::TopLeft, ..Scene::default() };
+        scene.meshes.push(Mesh { name: "shown by nothing".into() });
+        scene.add("box", square());
+        scene.add("lid", square());
+        scene.nodes[1].parent = Some(0);
+        for node in &mut scene.nodes {
+            node.transform = Some(Box::new(DMat4::from_translation(DVec3::Z)));
+        }
+        for node in [0, 1] {
+            scene.primitives[node].world = scene.world(node as u32);
+        }
+        let attribute = |name: &str, values, corners| {
+            let name = name.to_owned();
+            Attribute { name, values, corners }
+        };
+        let uvs = Values::floats(vec![[0.0, 0.25], [0.5, 0.75]]);
+        let turns = Values::doubles(vec![[1.0], [2.0], [3.0], [4.0]]);
+        scene.primitives[0].attributes = vec![
+            attribute("_TURN", turns, None),
+            attribute(TEXCOORD, uvs.clone(), Some(vec![[0, 1, 1], [0, 1, 0]])),
+            attribute("JOINTS_0", uvs.clone(), None),
+        ];
+        scene.primitives[1].attributes =
+            vec![attribute(TEXCOORD, uvs, Some(vec![[0, 1, ABSENT], [0, 1, 0]]))];
+
+        let file = export::part_glb(&scene, &[5, 5, 5, 6], None).unwrap();
+        let again = import(&file, MeshKind::Glb, &Limits::default()).unwrap();
+        assert_eq!(again.meshes.len(), 2, "a mesh must have primitives");
+        assert_eq!(again.labels, Some(vec![5, 5, 5, 6]));
+        for (before, after) in scene.primitives.iter().zip(&again.primitives) {
+            assert_eq!(scene.name(before), again.name(after));
+            let points = |p: &Primitive| -> Vec<_> {
+                p.triangles.iter().map(|t| t.map(|v| p.position(v))).collect()
+            };
+            assert_eq!(points(before), points(after));
+        }
+        let [first, second] = &again.primitives[..] else { panic!("two primitives") };
+        let texcoords = |p: &Primitive| p.texcoords().map(Vec::from_iter);
+        assert_eq!(texcoords(first), texcoords(&scene.primitives[0]), "v points down in both");
+        assert_eq!(texcoords(second), None, "a corner had none");
+        assert!(first.attribute("JOINTS_0").is_none(), "there is no skin to it");
+        // Two vertices are split in each: by coordinates in the first, by parts in the second.
+        assert_eq!((first.positions.count(), second.positions.count()), (6, 6));
+        let turn = &first.attribute("_TURN").unwrap().values;
+        let at = first.triangles[1].map(|v| turn.value(v as usize, 0));
+        assert_eq!(at, [2.0, 4.0, 3.0]);
+    }
+}
