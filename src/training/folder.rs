@@ -1,5 +1,5 @@
-//! Our own labelled folder: meshes `X.glb`, `X.obj` or in another known format, beside each `X.inst.txt` (part of each face) or else
-//! `X.labels.txt` (one integer a line), and `X.parts.json`:
+//! Our own labelled folder: meshes `X.glb`, `X.obj` or in another known format, beside each `X.inst.txt`
+//! (part of each face) or else `X.labels.txt` (one integer a line), and `X.parts.json`:
 //!
 //! ```json
 //! {"category": "Chair", "family": "ikea_kyrre", "licence": "CC-BY-4.0",

@@ -103,5 +103,5 @@ fn write(scene: &Scene, layer: Layer, extras: Option<&Value>) -> Result<Vec<u8>,
         }
         held["uvsegnet"] = extras.clone();
     }
-    gltf::glb(&json, &bin)
+    gltf::join(&json, &bin)
 }

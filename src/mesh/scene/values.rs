@@ -86,6 +86,16 @@ impl Values {
 
     /// The first `N` numbers of vector `i`.
     pub fn vector<const N: usize>(&self, i: usize) -> [f64; N] {
-        std::array::from_fn(|k| self.value(i, k))
+        match self {
+            Self::View(view) => view.vector(i),
+            Self::Floats { width, list } => {
+                let numbers = &list[i * width..][..N];
+                std::array::from_fn(|k| f64::from(numbers[k]))
+            }
+            Self::Doubles { width, list } => {
+                let numbers = &list[i * width..][..N];
+                std::array::from_fn(|k| numbers[k])
+            }
+        }
     }
 }

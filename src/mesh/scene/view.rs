@@ -101,7 +101,23 @@ impl View {
 
     /// Number `k` of vector `i` as it is stored, not normalized.
     pub(in crate::mesh) fn stored(&self, i: usize, k: usize) -> f64 {
-        let bytes = &self.get(i)[k * self.component.size()..];
+        self.number(self.get(i), k)
+    }
+
+    /// Number `k` of vector `i`, normalized where it is to be.
+    pub(in crate::mesh) fn value(&self, i: usize, k: usize) -> f64 {
+        self.normal(self.stored(i, k))
+    }
+
+    /// The first `N` numbers of vector `i`, normalized where they are to be.
+    pub(in crate::mesh) fn vector<const N: usize>(&self, i: usize) -> [f64; N] {
+        let bytes = self.get(i);
+        std::array::from_fn(|k| self.normal(self.number(bytes, k)))
+    }
+
+    /// Number `k` of a vector's bytes.
+    fn number(&self, bytes: &[u8], k: usize) -> f64 {
+        let bytes = &bytes[k * self.component.size()..];
         let four = || [bytes[0], bytes[1], bytes[2], bytes[3]];
         match self.component {
             Component::I8 => f64::from(bytes[0] as i8),
@@ -118,9 +134,7 @@ impl View {
         }
     }
 
-    /// Number `k` of vector `i`, normalized where it is to be.
-    pub(in crate::mesh) fn value(&self, i: usize, k: usize) -> f64 {
-        let stored = self.stored(i, k);
+    fn normal(&self, stored: f64) -> f64 {
         match self.component {
             _ if !self.normalized => stored,
             Component::I8 => (stored / 127.0).max(-1.0),

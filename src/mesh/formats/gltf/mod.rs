@@ -6,7 +6,6 @@ mod buffers;
 mod container;
 mod extensions;
 mod fresh;
-mod glb;
 mod hierarchy;
 mod json;
 mod read;
@@ -19,7 +18,7 @@ pub(in crate::mesh) mod view;
 #[cfg(test)]
 pub(in crate::mesh) mod fixture;
 
-pub(in crate::mesh) use container::glb;
+pub(in crate::mesh) use container::join;
 pub(in crate::mesh) use fresh::fresh;
 pub(in crate::mesh) use rewrite::rewrite;
 
@@ -29,7 +28,7 @@ use crate::mesh::scene::Scene;
 
 /// Read a GLB file.
 pub(super) fn read_glb(bytes: &[u8], limits: &Limits) -> Result<Scene, ImportError> {
-    let chunks = glb::split(bytes)?;
+    let chunks = container::split(bytes)?;
     let mut scene = read_json(chunks.json, chunks.bin, limits)?;
     if chunks.passed_over {
         let message = "what stands in the GLB behind its known chunks was left out";
