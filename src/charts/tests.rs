@@ -15,14 +15,11 @@ use super::visibility::visibility;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
-use crate::mesh::{Document, NONE, Primitive, Scene, Surface, condition};
+use crate::mesh::{NONE, Scene, Surface, condition};
 
 /// A conditioned surface; vertices at one place are one.
 fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
-    let primitive = Primitive { positions, triangles, ..Default::default() };
-    let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
-    let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: Vec::new() };
-    condition(&scene, &Run::quiet()).unwrap()
+    condition(&Scene::from_triangles(positions, triangles), &Run::quiet()).unwrap()
 }
 
 /// Quads as two triangles each.

@@ -22,7 +22,7 @@ impl Files {
         };
         let (bytes, labels) = (read(mesh)?, labels.map(read).transpose()?);
         let kind = MeshKind::detect(&bytes).ok_or_else(|| {
-            anyhow!("{} is no GLB, glTF or OBJ file: convert it first", mesh.display())
+            anyhow!("{} is no {} file: convert it first", mesh.display(), MeshKind::names())
         })?;
         Ok(Self { mesh: bytes, kind, labels })
     }

@@ -8,14 +8,17 @@ use super::input::Files;
 use super::options::valid;
 use super::progress_bar;
 use super::weights::WeightFlags;
-use crate::contract::{ArtifactKind, Limits, Seed, SegmentationSource, StopAfter, UnwrapOptions};
+use crate::contract::{
+    ArtifactKind, Limits, MeshKind, Seed, SegmentationSource, StopAfter, UnwrapOptions,
+};
 use crate::device::DeviceChoice;
 use crate::pipeline;
 
 /// Arguments of `uvsegnet segment`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The mesh: GLB, glTF with data URIs, or OBJ.
+    /// The mesh.
+    #[arg(help = format!("The mesh: {}", MeshKind::inputs()))]
     pub input: PathBuf,
     /// Where the parts go, by its ending: X.glb is the model with the part of each face in `_PART` and
     /// names and confidences in its extras; X.json the metrics; X.png a picture; anything else text,

@@ -112,7 +112,7 @@ struct How {
     /// Folder of the run: checkpoints, weights, curves. A run that stands there is taken up again.
     #[arg(short, long)]
     output: PathBuf,
-    /// Folders to learn from: labelled meshes (X.obj or X.glb, X.labels.txt or X.inst.txt,
+    /// Folders to learn from: labelled meshes (X.glb, X.obj or the like, X.labels.txt or X.inst.txt,
     /// X.parts.json), PartNet's hierarchies (ID/result_after_merging.json) or point sets (Chair/*.h5), or
     /// ShapeNet-part (synsetoffset2category.txt).
     #[arg(long = "data")]

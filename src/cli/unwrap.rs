@@ -9,14 +9,15 @@ use super::options::valid;
 use super::outputs::Outputs;
 use super::progress_bar;
 use super::weights::WeightFlags;
-use crate::contract::{Limits, UnwrapOptions};
+use crate::contract::{Limits, MeshKind, UnwrapOptions};
 use crate::device::DeviceChoice;
 use crate::pipeline;
 
 /// Arguments of `uvsegnet unwrap`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The mesh: GLB, glTF with data URIs, or OBJ.
+    /// The mesh.
+    #[arg(help = format!("The mesh: {}", MeshKind::inputs()))]
     pub input: PathBuf,
     /// Where the files go.
     #[command(flatten)]

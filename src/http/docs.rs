@@ -7,14 +7,17 @@ use std::sync::{Arc, LazyLock};
 use axum::extract::Path;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Redirect, Response};
-use utoipa::openapi::{ContentBuilder, Ref, RefOr, Response as ApiResponse, ResponseBuilder};
+use utoipa::openapi::{
+    ContentBuilder, OpenApi as Document, Ref, RefOr, Response as ApiResponse, ResponseBuilder,
+    Schema,
+};
 use utoipa::{OpenApi, ToSchema};
 use utoipa_swagger_ui::Config;
 
 use super::problem::MEDIA_TYPE;
 use super::routes::ApiPaths;
 use super::{Problem, ProblemBody};
-use crate::contract::{ErrorCode, Metrics, UnwrapOptions};
+use crate::contract::{ErrorCode, MeshKind, Metrics, UnwrapOptions};
 
 /// The document's head. The operations come from [`ApiPaths`], the schemas from what they name.
 #[derive(OpenApi)]
@@ -35,18 +38,41 @@ use crate::contract::{ErrorCode, Metrics, UnwrapOptions};
 )]
 struct ApiHead;
 
-/// The document as YAML.
-pub fn openapi_yaml() -> Result<String, String> {
+fn document() -> Document {
     let mut document = ApiHead::openapi();
     document.merge(ApiPaths::openapi());
-    document.to_yaml().map_err(|error| error.to_string())
+    add_formats(&mut document);
+    document
+}
+
+/// The document as YAML.
+pub fn openapi_yaml() -> Result<String, String> {
+    document().to_yaml().map_err(|error| error.to_string())
+}
+
+/// A job's request takes every format of the table, under each of its media types.
+fn add_formats(document: &mut Document) {
+    let submit = document.paths.paths.get_mut("/v1/jobs").and_then(|path| path.post.as_mut());
+    if let Some(RefOr::T(body)) = submit.and_then(|operation| operation.request_body.as_mut())
+        && let Some(bytes) = body.content.get("application/octet-stream").cloned()
+    {
+        let types = MeshKind::ALL.iter().flat_map(|kind| kind.media_types());
+        body.content.extend(types.map(|&media_type| (media_type.to_owned(), bytes.clone())));
+    }
+    let schemas = document.components.as_mut().map(|components| &mut components.schemas);
+    let form = schemas.and_then(|schemas| schemas.get_mut(&*JobForm::name()));
+    if let Some(RefOr::T(Schema::Object(form))) = form
+        && let Some(RefOr::T(Schema::Object(file))) = form.properties.get_mut("file")
+    {
+        file.description = Some(format!("The mesh: {}.", MeshKind::inputs()));
+    }
 }
 
 /// A form with a mesh.
 #[derive(ToSchema)]
 #[allow(dead_code)]
 pub struct JobForm {
-    /// The mesh: GLB, glTF with data URIs, or OBJ.
+    /// The mesh, in a format of the table: [`add_formats`].
     #[schema(value_type = String, format = Binary)]
     file: Vec<u8>,
     /// What to do; what is left out has its default.
@@ -181,8 +207,7 @@ mod tests {
 
     #[test]
     fn document_names_every_operation_and_no_other() {
-        let mut document = ApiHead::openapi();
-        document.merge(ApiPaths::openapi());
+        let document = document();
         let paths: Vec<_> = document.paths.paths.keys().cloned().collect();
         let mut want = vec![
             "/v1/jobs",
@@ -200,6 +225,17 @@ mod tests {
         paths.sort_unstable();
         want.sort_unstable();
         assert_eq!(paths, want);
+    }
+
+    #[test]
+    fn a_request_may_be_of_every_format() {
+        let document = document();
+        let submit = document.paths.paths["/v1/jobs"].post.as_ref().unwrap();
+        let Some(RefOr::T(body)) = &submit.request_body else { panic!("a body") };
+        for media_type in MeshKind::ALL.iter().flat_map(|kind| kind.media_types()) {
+            assert!(body.content.contains_key(*media_type), "{media_type} is missing");
+        }
+        assert!(openapi_yaml().unwrap().contains(&MeshKind::inputs()));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::existing_seams::existing_seams;
 use super::pairing::{EdgeGroups, FaceTraits, pair};
+use super::scene::Renumbering;
 use super::{DisjointSets, FaceOrigin, NONE, Scene, Surface, orient, weld};
 use crate::contract::{Canceled, Repairs, Run};
 
@@ -19,11 +20,14 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     let mut soup = Vec::new();
     let mut raw: Vec<[u32; 3]> = Vec::with_capacity(scene.face_count());
     let mut origins = Vec::with_capacity(scene.face_count());
+    let mut numbers = Renumbering::default();
     for (p, primitive) in scene.primitives.iter().enumerate() {
-        let base = soup.len() as u32;
-        soup.extend_from_slice(&primitive.positions);
-        for (i, t) in primitive.triangles.iter().enumerate() {
-            raw.push(t.map(|v| v + base));
+        let (base, first) = (soup.len() as u32, raw.len());
+        raw.extend_from_slice(&primitive.triangles);
+        let used = numbers.apply(&mut raw[first..], primitive.positions.count());
+        soup.extend(used.iter().map(|&vertex| primitive.position(vertex)));
+        raw[first..].as_flattened_mut().iter_mut().for_each(|vertex| *vertex += base);
+        for i in 0..primitive.triangles.len() {
             origins.push(FaceOrigin {
                 primitive: p as u32,
                 index: i as u32,
@@ -96,7 +100,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         existing_seams,
         origins,
         labels: scene.labels.clone(),
-        names: scene.primitives.iter().map(|p| p.name.clone()).collect(),
+        names: scene.primitives.iter().map(|p| scene.name(p).to_owned()).collect(),
         diagonal,
         repairs,
     })
@@ -237,20 +241,11 @@ mod tests {
     //! Conditioning on the kinds of mesh that real files hold.
 
     use super::*;
-    use crate::mesh::{Document, Primitive};
-
-    fn scene(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Scene {
-        let primitive = Primitive {
-            positions: positions.iter().map(|p| DVec3::from_array(*p)).collect(),
-            triangles: triangles.to_vec(),
-            ..Default::default()
-        };
-        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
-        Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] }
-    }
 
     fn conditioned(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Surface {
-        condition(&scene(positions, triangles), &Run::quiet()).unwrap()
+        let positions = positions.iter().map(|p| DVec3::from_array(*p)).collect();
+        let scene = Scene::from_triangles(positions, triangles.to_vec());
+        condition(&scene, &Run::quiet()).unwrap()
     }
 
     const QUAD: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];

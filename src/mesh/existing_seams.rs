@@ -13,13 +13,14 @@ const SCATTERED: f64 = 0.5;
 /// Whether each half-edge is such a seam; empty where the file says nothing. `reversed` and `twin` are
 /// the surface's.
 pub fn existing_seams(scene: &Scene, reversed: &[bool], twin: &[u32]) -> Vec<bool> {
-    if scene.primitives.iter().all(|p| p.texcoords.is_empty()) {
+    if scene.primitives.iter().all(|p| p.texcoords().is_none()) {
         return Vec::new();
     }
     let mut corners: Vec<[f32; 2]> = Vec::with_capacity(twin.len());
     for primitive in &scene.primitives {
-        for i in 0..primitive.triangles.len() {
-            corners.extend(primitive.texcoords.get(i).copied().unwrap_or([[f32::NAN; 2]; 3]));
+        match primitive.texcoords() {
+            Some(texcoords) => corners.extend(texcoords.flatten()),
+            None => corners.resize(corners.len() + 3 * primitive.triangles.len(), [f32::NAN; 2]),
         }
     }
     for (f, _) in reversed.iter().enumerate().filter(|(_, r)| **r) {
@@ -50,43 +51,41 @@ mod tests {
 
     use super::*;
     use crate::contract::Run;
-    use crate::mesh::{Document, Primitive, condition};
+    use crate::mesh::{Attribute, TEXCOORD, Values, condition};
 
-    /// A strip of two quads whose coordinates jump by `gap` at the edge between them.
-    fn strip(gap: f32) -> Scene {
+    /// A strip of two quads whose coordinates jump by `gap` at the edge between them, and by `step` at
+    /// every face.
+    fn strip(gap: f32, step: f32) -> Scene {
         let positions = (0..6).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3), 0.0));
         let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
         let at = |face: usize, v: u32| {
-            [(v % 3) as f32 + if face < 2 { 0.0 } else { gap }, (v / 3) as f32]
+            [(v % 3) as f32 + if face < 2 { 0.0 } else { gap }, (v / 3) as f32 + face as f32 * step]
         };
         let texcoords =
-            triangles.iter().enumerate().map(|(f, t): (usize, &[u32; 3])| t.map(|v| at(f, v)));
-        let primitive = Primitive {
-            positions: positions.collect(),
-            texcoords: texcoords.collect(),
-            triangles: triangles.clone(),
-            ..Default::default()
+            triangles.iter().enumerate().flat_map(|(f, t): (usize, &[u32; 3])| t.map(|v| at(f, v)));
+        let set = Attribute {
+            name: TEXCOORD.to_owned(),
+            values: Values::floats(texcoords.collect()),
+            corners: Some((0..4).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()),
         };
-        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
-        Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] }
+        let mut scene = Scene::from_triangles(positions.collect(), triangles);
+        scene.primitives[0].attributes.push(set);
+        scene
     }
 
     #[test]
     fn a_seam_is_where_coordinates_part() {
-        let surface = condition(&strip(1.0), &Run::quiet()).unwrap();
+        let surface = condition(&strip(1.0, 0.0), &Run::quiet()).unwrap();
         let seams: Vec<usize> = (0..12).filter(|&h| surface.existing_seams[h]).collect();
         assert_eq!(seams, [1, 11], "the edge between the quads, from both sides");
-        assert!(condition(&strip(0.0), &Run::quiet()).unwrap().existing_seams.is_empty());
+        assert!(condition(&strip(0.0, 0.0), &Run::quiet()).unwrap().existing_seams.is_empty());
     }
 
     #[test]
     fn coordinates_of_single_faces_say_nothing() {
-        let mut scene = strip(0.0);
-        for (f, face) in scene.primitives[0].texcoords.iter_mut().enumerate() {
-            face.iter_mut().for_each(|uv| uv[1] += 10.0 * f as f32);
-        }
+        let mut scene = strip(0.0, 10.0);
         assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
-        scene.primitives[0].texcoords.clear();
+        scene.primitives[0].attributes.clear();
         assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
     }
 }

@@ -5,6 +5,7 @@ mod condition;
 mod disjoint;
 mod existing_seams;
 pub mod export;
+mod formats;
 pub mod import;
 mod maxflow;
 mod orient;
@@ -19,6 +20,9 @@ pub use condition::condition;
 pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use maxflow::Flow;
-pub use scene::{Document, Primitive, Scene};
+pub use scene::{
+    ABSENT, Attribute, Component, Document, Material, Mesh, Node, Primitive, Scene, TEXCOORD,
+    TexcoordOrigin, Values,
+};
 pub use surface::{CREASE, FaceOrigin, NONE, Surface};
 pub use symmetric::{least_eigenvalue, least_eigenvector};

@@ -96,7 +96,7 @@ mod tests {
 
     use super::*;
     use crate::contract::Run;
-    use crate::mesh::{Document, Primitive, Scene, condition};
+    use crate::mesh::{Scene, condition};
     use crate::segmentation::{Part, PartLabels};
 
     /// A square of 20 × 20 cells in two halves, parts 0 and 2, of which part 1 has a cell of the first.
@@ -104,13 +104,7 @@ mod tests {
         let positions = (0..21 * 21).map(|i| DVec3::new(f64::from(i % 21), f64::from(i / 21), 0.0));
         let quads = (0..400u32).map(|i| i / 20 * 21 + i % 20);
         let cells = quads.flat_map(|a| [[a, a + 1, a + 22], [a, a + 22, a + 21]]);
-        let primitive = Primitive {
-            positions: positions.collect(),
-            triangles: cells.collect(),
-            ..Default::default()
-        };
-        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
-        let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] };
+        let scene = Scene::from_triangles(positions.collect(), cells.collect());
         let surface = condition(&scene, &Run::quiet()).unwrap();
         let label = |f: u32| if f / 2 == 63 { 1 } else { 2 * u32::from(f / 2 % 20 >= 10) };
         let part = |id| Part { id, name: id.to_string(), source, confidence: 1.0 };

@@ -1,5 +1,5 @@
-//! Our own labelled folder: `X.obj` or `X.glb`, beside it `X.inst.txt` (part of each face) or else
-//! `X.labels.txt` (one integer a line), and `X.parts.json`:
+//! Our own labelled folder: meshes `X.glb`, `X.obj` or in another known format, beside each `X.inst.txt`
+//! (part of each face) or else `X.labels.txt` (one integer a line), and `X.parts.json`:
 //!
 //! ```json
 //! {"category": "Chair", "family": "ikea_kyrre", "licence": "CC-BY-4.0",
@@ -74,7 +74,13 @@ pub fn meshes(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
             };
             if path.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|e| e == "obj" || e == "glb") && labelled() {
+            } else if path
+                .extension()
+                .and_then(|e| e.to_str())
+                .and_then(MeshKind::of_ending)
+                .is_some()
+                && labelled()
+            {
                 found.push(path);
             }
         }
@@ -95,8 +101,8 @@ pub fn is_allowed(mesh: &Path, licences: &[String]) -> Result<bool, FolderError>
 /// Read one labelled mesh.
 pub fn read(path: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
     let bytes = std::fs::read(path).map_err(|e| error(path, e))?;
-    let kind =
-        MeshKind::detect(&bytes).ok_or_else(|| error(path, "is no GLB, glTF or OBJ file"))?;
+    let kind = MeshKind::detect(&bytes)
+        .ok_or_else(|| error(path, format!("is no {} file", MeshKind::names())))?;
     let scene = mesh::import(&bytes, kind, &Limits::default()).map_err(|e| error(path, e))?;
     let faces = scene.face_count();
     let (inst, labels) = (path.with_extension("inst.txt"), path.with_extension("labels.txt"));

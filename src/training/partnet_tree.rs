@@ -6,12 +6,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use serde_json::Value;
 
 use super::folder::{FolderError, LabelledMesh, error};
 use super::names::name_index;
 use crate::contract::{Limits, MeshKind, Run};
-use crate::mesh::{self, Document, Primitive, Scene};
+use crate::mesh::{self, Primitive, Scene};
 
 /// The file by which such a folder is known.
 pub const TREE: &str = "result_after_merging.json";
@@ -68,27 +67,24 @@ pub fn read(folder: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
     for root in roots {
         collect(root, &mut Vec::new(), &mut leaves);
     }
-    let (mut primitives, mut parts, mut names) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut scene, mut parts, mut names) = (Scene::default(), Vec::new(), Vec::new());
     for (number, leaf) in (0..).zip(&leaves) {
         for obj in &leaf.objs {
             let path = folder.join("objs").join(format!("{obj}.obj"));
             let bytes = std::fs::read(&path).map_err(|e| error(&path, e))?;
-            let scene = mesh::import(&bytes, MeshKind::Obj, &Limits::default());
-            for own in scene.map_err(|e| error(&path, e))?.primitives {
+            let read = mesh::import(&bytes, MeshKind::Obj, &Limits::default());
+            for own in read.map_err(|e| error(&path, e))?.primitives {
                 let faces = own.triangles.len();
                 parts.extend(std::iter::repeat_n(number, faces));
                 names.extend(std::iter::repeat_n(leaf.index.map_or(-1, |i| i as i32), faces));
-                let node = primitives.len() as u32;
-                let name = leaf.name.clone();
-                primitives.push(Primitive { node, mesh: node, primitive: 0, name, ..own });
+                // Its number of a material is one of its own file.
+                scene.add(&leaf.name, Primitive { material: None, ..own });
             }
         }
     }
-    if primitives.is_empty() {
+    if scene.primitives.is_empty() {
         return Err(error(&folder.join(TREE), "no leaf of it has objects"));
     }
-    let document = Document::Gltf { json: Value::Null, buffers: Vec::new() };
-    let scene = Scene { document, primitives, labels: None, warnings: Vec::new() };
     let surface = mesh::condition(&scene, run).map_err(|e| error(folder, e))?;
     let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let family = if meta.model_id.is_empty() { id.clone() } else { meta.model_id };

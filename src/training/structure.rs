@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::mesh::{DisjointSets, Document, Primitive, Scene};
+use crate::mesh::{DisjointSets, Primitive, Scene};
 use crate::synth::SynthObject;
 
 /// What the vertices of a file say.
@@ -52,17 +52,16 @@ pub fn scene(object: &SynthObject, structure: Structure) -> Scene {
             vec![("object".into(), positions, triangles)]
         }
     };
-    let primitive = |(i, (name, positions, triangles)): (u32, Named)| {
+    let mut scene = Scene::default();
+    for (name, positions, triangles) in meshes {
         let (positions, triangles) = match structure {
             Structure::Nodes | Structure::Solids => (positions, triangles),
             Structure::Smooth => split(&positions, &triangles, HARD),
             Structure::Soup => split(&positions, &triangles, 2.0),
         };
-        Primitive { node: i, mesh: i, name, positions, triangles, ..Default::default() }
-    };
-    let primitives = (0u32..).zip(meshes).map(primitive).collect();
-    let document = Document::Gltf { json: serde_json::Value::Null, buffers: Vec::new() };
-    Scene { document, primitives, labels: None, warnings: Vec::new() }
+        scene.add(&name, Primitive::from_triangles(positions, triangles));
+    }
+    scene
 }
 
 /// Faces keep a common vertex only where they hang together over edges whose cosine is at least

@@ -9,7 +9,7 @@ use rayon::ThreadPool;
 use super::files::{guarded, named, stem};
 use super::how::{How, unwrap};
 use crate::cli::input::Files;
-use crate::contract::UnwrapOptions;
+use crate::contract::{MeshKind, UnwrapOptions};
 use crate::pipeline::{Engine, Unwrapped};
 
 /// Threads of each run; the others are held against the first.
@@ -18,7 +18,8 @@ const THREADS: [usize; 4] = [1, 1, 2, 2];
 /// Arguments of `uvsegnet bench determinism`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder of meshes (GLB, glTF, OBJ), searched to the bottom.
+    /// Folder of meshes, searched to the bottom.
+    #[arg(help = format!("Folder of meshes ({}), searched to the bottom", MeshKind::names()))]
     pub dir: PathBuf,
     /// Which objects: one file name without its extension a line, # begins a comment.
     #[arg(long)]

@@ -8,6 +8,8 @@ use std::str::FromStr;
 
 use anyhow::{Context, Result, anyhow, bail};
 
+use crate::contract::MeshKind;
+
 /// The I-th of N shares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
@@ -68,7 +70,9 @@ pub fn named(dir: &Path, list: &Path) -> Result<Vec<PathBuf>> {
     let find = |name: &str| match by_name.get(name).map(Vec::as_slice) {
         Some([path]) => Ok(path.clone()),
         Some(_) => bail!("{} has more than one {name}", dir.display()),
-        None => bail!("{} has no {name}.obj, .glb or .gltf", dir.display()),
+        None => {
+            bail!("{} has no {name} with the ending {}", dir.display(), MeshKind::all_endings())
+        }
     };
     names.filter(|name| !name.is_empty()).map(find).collect()
 }
@@ -90,10 +94,10 @@ fn meshes(dir: &Path, into: &mut Vec<(u64, PathBuf)>) -> Result<()> {
         .with_context(|| format!("cannot read the folder {}", dir.display()))?;
     for entry in entries {
         let path = entry?.path();
-        let kind = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let kind = path.extension().and_then(|e| e.to_str()).and_then(MeshKind::of_ending);
         if path.is_dir() {
             meshes(&path, into)?;
-        } else if matches!(kind.as_deref(), Some("obj" | "glb" | "gltf")) {
+        } else if kind.is_some() {
             into.push((path.metadata()?.len(), path));
         }
     }

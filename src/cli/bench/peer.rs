@@ -127,7 +127,7 @@ mod tests {
 
     use super::*;
     use crate::contract::Run;
-    use crate::mesh::{Document, Primitive, Scene, condition};
+    use crate::mesh::{Scene, condition};
 
     /// A quad of two triangles, with both windings or one.
     fn quad(double: bool) -> Surface {
@@ -136,14 +136,8 @@ mod tests {
         if double {
             triangles.extend([[0, 2, 1], [0, 3, 2]]);
         }
-        let primitive = Primitive {
-            positions: corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(),
-            triangles,
-            ..Default::default()
-        };
-        let document = Document::Gltf { json: serde_json::json!({}), buffers: vec![] };
-        let scene = Scene { document, primitives: vec![primitive], labels: None, warnings: vec![] };
-        condition(&scene, &Run::quiet()).unwrap()
+        let positions = corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        condition(&Scene::from_triangles(positions, triangles), &Run::quiet()).unwrap()
     }
 
     #[test]

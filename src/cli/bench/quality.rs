@@ -12,12 +12,18 @@ use super::files::Shard;
 use super::how::How;
 use super::object::{self, Arms};
 use super::table;
+use crate::contract::MeshKind;
 
 /// Arguments of `uvsegnet bench quality`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder of meshes (GLB, glTF, OBJ), searched to the bottom. Labels are taken from
-    /// NAME.inst.txt or NAME.labels.txt beside NAME.obj.
+    /// Folder of meshes, searched to the bottom. Labels are taken from NAME.inst.txt or
+    /// NAME.labels.txt beside the mesh.
+    #[arg(help = format!(
+        "Folder of meshes ({}), searched to the bottom. Labels are taken from NAME.inst.txt or \
+         NAME.labels.txt beside the mesh",
+        MeshKind::names()
+    ))]
     pub dir: PathBuf,
     /// One JSON line an object; an object that has a line is not unwrapped again.
     #[arg(short, long, default_value = "quality.jsonl")]

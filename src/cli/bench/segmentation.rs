@@ -28,7 +28,7 @@ use crate::training::{LabelledMesh, held_out, read_labelled};
 /// Arguments of `uvsegnet bench segmentation`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The folder: X.obj or X.glb, with X.labels.txt or X.inst.txt beside it.
+    /// The folder: meshes X.glb, X.obj or the like, with X.labels.txt or X.inst.txt beside each.
     pub dir: PathBuf,
     /// Which weights the network has.
     #[command(flatten)]

@@ -7,14 +7,15 @@ use anyhow::{Context, Result, anyhow, bail};
 use super::files::{Shard, guarded, named, stem};
 use super::how::{How, unwrap};
 use crate::cli::input::Files;
-use crate::contract::{ArtifactKind, Metrics, UnwrapOptions};
+use crate::contract::{ArtifactKind, MeshKind, Metrics, UnwrapOptions};
 use crate::pipeline::Engine;
 use crate::preview::{SheetCell, contact_sheet};
 
 /// Arguments of `uvsegnet bench sheet`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder of meshes (GLB, glTF, OBJ), searched to the bottom.
+    /// Folder of meshes, searched to the bottom.
+    #[arg(help = format!("Folder of meshes ({}), searched to the bottom", MeshKind::names()))]
     pub dir: PathBuf,
     /// Where the picture goes (PNG).
     #[arg(short, long, default_value = "sheet.png")]

@@ -53,7 +53,7 @@ pub async fn info(State(state): State<AppState>) -> Result<Json<InfoBody>, Probl
     Ok(Json(InfoBody {
         name: env!("CARGO_PKG_NAME"),
         version: env!("CARGO_PKG_VERSION"),
-        formats: vec![MeshKind::Glb, MeshKind::Gltf, MeshKind::Obj],
+        formats: MeshKind::ALL.to_vec(),
         default_options: granted(UnwrapOptions::default(), &state.limits),
         limits: state.limits,
         queue: QueueBody { queued: stats.queued, running: stats.running },

@@ -36,9 +36,7 @@ refusals! { SubmitRefused: MalformedRequest UploadTooLarge UnsupportedMediaType 
     ),
     request_body(content(
         (JobForm = "multipart/form-data"),
-        (inline(FileBytes) = "model/gltf-binary"),
-        (inline(FileBytes) = "model/gltf+json"),
-        (inline(FileBytes) = "model/obj"),
+        // Beside it, the media type of every format: `docs::add_formats`.
         (inline(FileBytes) = "application/octet-stream"),
     )),
     responses(

@@ -36,10 +36,10 @@ impl Mesh {
     /// All bytes have come. The blob is not in place yet.
     pub fn end(self) -> Result<(BlobWriter, MeshKind), Problem> {
         if self.writer.is_empty() {
-            return Err(Problem::malformed(
-                "The upload is empty; send a GLB, a glTF or an OBJ file \
-                 (curl: --data-binary @FILE, or -F file=@FILE)",
-            ));
+            return Err(Problem::malformed(format!(
+                "The upload is empty; send a {} file (curl: --data-binary @FILE, or -F file=@FILE)",
+                MeshKind::names()
+            )));
         }
         let kind = match self.kind {
             Some(kind) => kind,
@@ -52,9 +52,8 @@ impl Mesh {
 fn kind_of(head: &[u8], declared: Option<MeshKind>) -> Result<MeshKind, Problem> {
     let wrong = |detail: String| Problem::new(ErrorCode::UnsupportedMediaType, detail);
     let Some(kind) = MeshKind::detect(head) else {
-        return Err(wrong(
-            "The upload's first bytes are not those of a GLB, a glTF or an OBJ file".to_owned(),
-        ));
+        let names = MeshKind::names();
+        return Err(wrong(format!("The upload's first bytes are not those of a {names} file")));
     };
     match declared {
         Some(declared) if declared != kind => Err(wrong(format!(

@@ -96,11 +96,11 @@ fn essence(value: &str) -> String {
 
 /// The kind that a media type stands for.
 fn kind_of(media_type: &str) -> Result<MeshKind, Problem> {
-    let kinds = [MeshKind::Glb, MeshKind::Gltf, MeshKind::Obj];
-    kinds.into_iter().find(|kind| kind.media_type() == media_type).ok_or_else(|| {
+    MeshKind::of_media_type(media_type).ok_or_else(|| {
         let detail = format!(
             "Content-Type: {media_type:?} is not taken here; send multipart/form-data, or the mesh \
-             itself as model/gltf-binary, model/gltf+json, model/obj or application/octet-stream"
+             itself as {} or application/octet-stream",
+            MeshKind::all_media_types()
         );
         Problem::new(ErrorCode::UnsupportedMediaType, detail)
     })
@@ -162,9 +162,12 @@ mod tests {
         ] {
             assert_eq!(Shape::of(&headers(value)).unwrap(), shape, "{value}");
         }
-        for value in ["application/json", "model/stl", "text/plain"] {
-            let code = Shape::of(&headers(value)).unwrap_err().code();
-            assert_eq!(code, ErrorCode::UnsupportedMediaType, "{value}");
+        for media_type in MeshKind::ALL.iter().flat_map(|kind| kind.media_types()) {
+            assert!(matches!(Shape::of(&headers(media_type)).unwrap(), Shape::Mesh(Some(_))));
+        }
+        for value in ["application/json", "model/unheard-of", "text/plain"] {
+            let problem = Shape::of(&headers(value)).unwrap_err();
+            assert_eq!(problem.code(), ErrorCode::UnsupportedMediaType, "{value}");
         }
     }
 

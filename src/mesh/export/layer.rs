@@ -2,19 +2,19 @@
 
 use serde_json::{Map, Value};
 
-use super::binary::Streams;
 use super::stored;
+use crate::mesh::formats::gltf::binary::Streams;
 
 /// The vertex attribute that tells parts: a whole number as a float, −1 unknown. Import reads it back as
 /// labels.
-pub(super) const PART: &str = "_PART";
+pub(in crate::mesh) const PART: &str = "_PART";
 
 /// One new value at each corner of each face, as the bits that tell vertices apart.
-pub(super) type Bits = [u32; 2];
+pub(in crate::mesh) type Bits = [u32; 2];
 
 /// What is written.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Layer<'a> {
+pub(in crate::mesh) enum Layer<'a> {
     /// Texture coordinates of the corners of each face, v up, into `TEXCOORD_{channel}`.
     Uvs {
         /// Faces × corners.
@@ -89,11 +89,7 @@ impl Layer<'_> {
     ) -> Map<String, Value> {
         match self {
             Self::Uvs { .. } => streams.append_floats(values.map(|v| v.map(f32::from_bits))),
-            Self::Parts(_) => {
-                let mut accessor = streams.append_floats(values.map(|v| [f32::from_bits(v[0])]));
-                accessor.insert("type".into(), "SCALAR".into());
-                accessor
-            }
+            Self::Parts(_) => streams.append_floats(values.map(|v| [f32::from_bits(v[0])])),
         }
     }
 }

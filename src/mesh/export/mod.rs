@@ -1,15 +1,10 @@
 //! Writing a scene with new texture coordinates, or with its parts, as GLB. Everything else of a glTF
-//! document stays as it was, in the same face order; an OBJ file becomes a fresh document.
+//! document stays as it was, in the same face order; a scene of another format becomes a fresh document.
 //!
 //! Inside, v points up; in glTF it points down. Here, and at no other place on the way out, v
 //! becomes 1 − v.
 
-mod binary;
-mod container;
-mod gltf;
 mod layer;
-mod obj;
-mod references;
 mod split;
 
 #[cfg(test)]
@@ -17,9 +12,11 @@ mod tests;
 
 use serde_json::{Value, json};
 
+use super::formats::{self, gltf};
 use super::import::ImportError;
-use super::scene::{Document, Scene};
-use layer::Layer;
+use super::scene::Scene;
+pub(in crate::mesh) use layer::Layer;
+pub(in crate::mesh) use split::split;
 
 /// A scene that cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -56,7 +53,7 @@ pub fn as_exported(uv: [f32; 2]) -> [f32; 2] {
 
 /// A coordinate as it stands in the file. No zero is negative, so that equal values have equal
 /// bits.
-fn stored([u, v]: [f32; 2]) -> [f32; 2] {
+pub(super) fn stored([u, v]: [f32; 2]) -> [f32; 2] {
     [u + 0.0, 1.0 - v]
 }
 
@@ -96,10 +93,7 @@ fn write(scene: &Scene, layer: Layer, extras: Option<&Value>) -> Result<Vec<u8>,
     if faces != layer.faces() {
         return Err(ExportError::FaceCount { faces, given: layer.faces() });
     }
-    let (mut json, bin) = match &scene.document {
-        Document::Gltf { json, buffers } => gltf::rewrite(json, buffers, &scene.primitives, layer)?,
-        Document::Obj(document) => obj::document(document, layer)?,
-    };
+    let (mut json, bin) = formats::write(scene, layer)?;
     if let (Some(extras), Some(asset)) =
         (extras, json.get_mut("asset").and_then(Value::as_object_mut))
     {
@@ -109,5 +103,5 @@ fn write(scene: &Scene, layer: Layer, extras: Option<&Value>) -> Result<Vec<u8>,
         }
         held["uvsegnet"] = extras.clone();
     }
-    container::glb(&json, &bin)
+    gltf::join(&json, &bin)
 }

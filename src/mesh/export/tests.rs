@@ -1,13 +1,14 @@
 //! What export promises, on documents built here.
 
+use bytes::Bytes;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::{ExportError, as_exported, glb, part_glb};
 use crate::contract::{Limits, MeshKind};
-use crate::mesh::import::fixture::{Fixture, U8, rich, squares};
+use crate::mesh::formats::gltf::fixture::{Fixture, U8, rich, squares};
+use crate::mesh::formats::gltf::view::GltfView;
 use crate::mesh::import::import;
-use crate::mesh::import::view::GltfView;
 use crate::mesh::scene::{Document, Scene};
 
 fn read(bytes: &[u8]) -> Scene {
@@ -26,18 +27,16 @@ fn apart(faces: usize) -> Vec<[[f32; 2]; 3]> {
 /// The planar map: a vertex has one coordinate wherever it stands.
 fn planar(scene: &Scene) -> Vec<[[f32; 2]; 3]> {
     let of = |p: &crate::mesh::scene::Primitive| {
-        let uv = |v: u32| {
-            [p.positions[v as usize].x as f32 / 8.0, p.positions[v as usize].y as f32 / 8.0]
-        };
+        let uv = |v: u32| [p.position(v).x as f32 / 8.0, p.position(v).y as f32 / 8.0];
         p.triangles.iter().map(|t| t.map(uv)).collect::<Vec<_>>()
     };
     scene.primitives.iter().flat_map(of).collect()
 }
 
-fn gltf(scene: &Scene) -> (&Value, &[Vec<u8>]) {
-    match &scene.document {
-        Document::Gltf { json, buffers } => (json, buffers),
-        Document::Obj(_) => panic!("a glTF document"),
+fn gltf(scene: &Scene) -> (&Value, &[Bytes]) {
+    match &scene.source {
+        Some(Document::Gltf { json, buffers }) => (json, buffers),
+        None => panic!("a glTF document"),
     }
 }
 
@@ -84,7 +83,7 @@ fn coordinates_come_back_in_face_order_with_v_down_in_the_file() {
     let out = read(&glb(&scene, &uvs, 0, None).unwrap());
     let mut found = Vec::new();
     for p in &out.primitives {
-        let place = (p.mesh as usize, p.primitive as usize);
+        let place = (p.mesh as usize, p.number as usize);
         found.extend(attribute(&out, place.0, place.1, "/attributes/TEXCOORD_0").0);
     }
     let expected: Vec<_> =
@@ -138,7 +137,7 @@ fn everything_else_is_carried() {
     let image = |scene: &Scene| {
         let (json, buffers) = gltf(scene);
         let view = json["images"][0]["bufferView"].as_u64().unwrap() as usize;
-        GltfView::new(json, buffers).unwrap().view_bytes(view).unwrap().to_vec()
+        GltfView::new(json, buffers).unwrap().view_slice(view).unwrap().to_vec()
     };
     assert_eq!(image(&after), b"not really a png");
     for (path, list) in
@@ -206,12 +205,12 @@ fn parts_are_read_back_as_labels_and_all_else_stays() {
     assert_eq!(gltf(&after).0["asset"]["extras"]["uvsegnet"]["parts"], 4);
     for (old, new) in before.primitives.iter().zip(&after.primitives) {
         let corners = |p: &crate::mesh::scene::Primitive| {
-            let of = |t: &[u32; 3]| t.map(|v| p.positions[v as usize]);
+            let of = |t: &[u32; 3]| t.map(|v| p.position(v));
             p.triangles.iter().map(of).collect::<Vec<_>>()
         };
         assert_eq!(corners(old), corners(new));
         let names = |scene: &Scene, p: &crate::mesh::scene::Primitive| {
-            let of = &gltf(scene).0["meshes"][p.mesh as usize]["primitives"][p.primitive as usize];
+            let of = &gltf(scene).0["meshes"][p.mesh as usize]["primitives"][p.number as usize];
             let names = of["attributes"].as_object().unwrap().keys().cloned();
             names.filter(|n| n != "_PART").collect::<Vec<_>>()
         };
@@ -221,7 +220,7 @@ fn parts_are_read_back_as_labels_and_all_else_stays() {
                 attribute(
                     scene,
                     old.mesh as usize,
-                    old.primitive as usize,
+                    old.number as usize,
                     &format!("/attributes/{name}"),
                 )
                 .0
@@ -267,7 +266,11 @@ fn wide_indices_where_narrow_ones_do_not_reach() {
         f.show(json!([{"attributes": {"POSITION": positions}}]));
         let scene = read(&f.glb());
         let out = read(&glb(&scene, &vec![[[0.0; 2]; 3]; faces], 0, None).unwrap());
-        assert_eq!(out.primitives[0].positions, scene.primitives[0].positions);
+        let points = |scene: &Scene| {
+            let shown = &scene.primitives[0];
+            (0..shown.positions.count() as u32).map(|v| shown.position(v)).collect::<Vec<_>>()
+        };
+        assert_eq!(points(&out), points(&scene));
         attribute(&out, 0, 0, "/indices").1["componentType"].clone()
     };
     assert_eq!(soup(21_845), json!(5123)); // 65,535 vertices
@@ -283,14 +286,14 @@ fn several_buffers_become_one() {
     f.json["images"] = json!([{"bufferView": image, "mimeType": "image/png"}]);
     f.json["buffers"] =
         json!([{"byteLength": f.bin.len()}, {"byteLength": 8, "uri": "data:,xpicture"}]);
-    let bytes = crate::mesh::import::fixture::glb(f.json.to_string().as_bytes(), &f.bin);
+    let bytes = crate::mesh::formats::gltf::fixture::glb(f.json.to_string().as_bytes(), &f.bin);
     let scene = read(&bytes);
     let out = read(&glb(&scene, &planar(&scene), 0, None).unwrap());
     let (json, buffers) = gltf(&out);
     assert_eq!(buffers.len(), 1);
     let view = json["images"][0]["bufferView"].as_u64().unwrap() as usize;
     assert_eq!(json["bufferViews"][view]["name"], "here");
-    assert_eq!(GltfView::new(json, buffers).unwrap().view_bytes(view).unwrap(), b"picture");
+    assert_eq!(GltfView::new(json, buffers).unwrap().view_slice(view).unwrap(), b"picture"[..]);
 }
 
 #[test]
@@ -306,14 +309,11 @@ fn obj_becomes_a_document_of_its_own() {
     };
     assert_eq!(name("nodes"), ["seat", "back"]);
     assert_eq!(name("materials"), ["oak", "pine"]);
-    let order: Vec<_> = out.primitives.iter().map(|p| (p.mesh, p.primitive, p.material)).collect();
+    let order: Vec<_> = out.primitives.iter().map(|p| (p.mesh, p.number, p.material)).collect();
     assert_eq!(order, [(0, 0, Some(0)), (0, 1, Some(1)), (1, 0, Some(1))]);
     for (before, after) in scene.primitives.iter().zip(&out.primitives) {
         let at = |p: &crate::mesh::scene::Primitive| {
-            p.triangles
-                .iter()
-                .map(|t| t.map(|v| p.positions[v as usize].to_array()))
-                .collect::<Vec<_>>()
+            p.triangles.iter().map(|t| t.map(|v| p.position(v).to_array())).collect::<Vec<_>>()
         };
         assert_eq!(at(before), at(after));
     }

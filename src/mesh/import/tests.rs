@@ -4,11 +4,11 @@ use glam::DVec3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::fixture::{F32, Fixture, U8, glb, rich, squares, strip};
 use super::{ImportError, import};
 use crate::contract::{ErrorCode, Limits, MeshKind};
 use crate::mesh::export;
-use crate::mesh::scene::Scene;
+use crate::mesh::formats::gltf::fixture::{F32, Fixture, U8, glb, rich, squares, strip};
+use crate::mesh::scene::{Component, Document, Scene, Values};
 
 fn read(fixture: &Fixture) -> Result<Scene, ImportError> {
     import(&fixture.glb(), MeshKind::Glb, &Limits::default())
@@ -17,7 +17,7 @@ fn read(fixture: &Fixture) -> Result<Scene, ImportError> {
 /// The world positions of each face's corners.
 fn corners(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
     let of = |p: &crate::mesh::scene::Primitive| {
-        let at = |v: u32| p.positions[v as usize].to_array();
+        let at = |v: u32| p.position(v).to_array();
         p.triangles.iter().map(|t| t.map(at)).collect::<Vec<_>>()
     };
     scene.primitives.iter().flat_map(of).collect()
@@ -27,12 +27,22 @@ fn corners(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
 fn a_document_of_everything_is_read_in_face_order() {
     let scene = read(&rich()).unwrap();
     let order: Vec<_> =
-        scene.primitives.iter().map(|p| (p.node, p.mesh, p.primitive, p.triangles.len())).collect();
+        scene.primitives.iter().map(|p| (p.node, p.mesh, p.number, p.triangles.len())).collect();
     assert_eq!(order, [(0, 0, 0, 2), (0, 0, 1, 4), (1, 1, 0, 3)]);
-    assert_eq!(scene.primitives[0].name, "bench");
-    assert_eq!(scene.primitives[0].material_name, "wood");
-    assert_eq!(scene.primitives[0].positions.len(), 4);
-    assert_eq!(scene.primitives[1].positions.len(), 6);
+    assert_eq!(scene.name(&scene.primitives[0]), "bench");
+    assert_eq!(scene.material_name(&scene.primitives[0]), "wood");
+    let names = |p: usize| {
+        scene.primitives[p].attributes.iter().map(|a| a.name.clone()).collect::<Vec<_>>()
+    };
+    let all = ["COLOR_0", "TEXCOORD_0", "NORMAL", "TANGENT", "JOINTS_0", "WEIGHTS_0"];
+    assert_eq!(names(0), all);
+    assert_eq!(names(2), ["_PART"]);
+    let colors = &scene.primitives[0].attribute("COLOR_0").unwrap().values;
+    assert_eq!((colors.component(), colors.is_normalized()), (Component::U8, true));
+    assert_eq!((colors.count(), colors.vector::<3>(2)), (10, [8, 9, 10].map(|c| c as f64 / 255.0)));
+    assert_eq!(scene.nodes[3].parent, Some(2));
+    assert_eq!(scene.world(3).unwrap().w_axis.z, 0.5);
+    assert_eq!(scene.meshes[2].name, "hidden");
     let corners = corners(&scene);
     assert_eq!(corners[2], [[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 1.0, 0.0]]);
     // The second instance is the larger one: integers × 0.5. A strip: the middle face is turned.
@@ -41,6 +51,23 @@ fn a_document_of_everything_is_read_in_face_order() {
     assert_eq!(scene.labels, Some(vec![-1, -1, -1, -1, -1, -1, 4, 4, 4]));
     let codes: Vec<_> = scene.warnings.iter().map(|(code, _)| code.as_str()).collect();
     assert_eq!(codes, ["textured"]);
+}
+
+#[test]
+fn attributes_are_views_into_the_source() {
+    let scene = read(&rich()).unwrap();
+    let Some(Document::Gltf { buffers, .. }) = &scene.source else { panic!("a glTF document") };
+    let held = buffers[0].as_ptr_range();
+    let [first, second, _] = &scene.primitives[..] else { panic!("three primitives") };
+    for values in first.attributes.iter().map(|a| &a.values).chain([&first.positions]) {
+        let Values::View(view) = values else { panic!("a view") };
+        assert!(held.contains(&view.get(0).as_ptr()));
+    }
+    let shared = |values: &Values| match values {
+        Values::View(view) => std::sync::Arc::as_ptr(view),
+        _ => panic!("a view"),
+    };
+    assert_eq!(shared(&first.positions), shared(&second.positions));
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! What the OBJ reader promises.
 
-use super::ImportError;
-use super::obj::{ABSENT, ObjCorner, ObjDocument};
-use super::obj_reader::{MOST_RUNS, read};
+use super::document::ObjDocument;
+use super::read::{MOST_RUNS, read};
 use crate::contract::{ErrorCode, Limits};
+use crate::mesh::import::ImportError;
+use crate::mesh::scene::ABSENT;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 2\n";
 
@@ -13,8 +14,13 @@ fn parse(text: &str) -> Result<(ObjDocument, Vec<(String, String)>), ImportError
 
 fn faces(text: &str) -> Vec<[[u32; 3]; 3]> {
     let (document, _) = parse(&format!("{SQUARE}{text}")).unwrap();
-    let plain = |c: ObjCorner| [c.position, c.texcoord, c.normal];
-    document.runs.iter().flat_map(|run| &run.faces).map(|face| face.map(plain)).collect()
+    let run = &document.runs[0];
+    let of = |list: &[[u32; 3]], f: usize| list.get(f).copied().unwrap_or([ABSENT; 3]);
+    let face = |(f, at): (usize, &[u32; 3])| {
+        let (texcoords, normals) = (of(&run.texcoords, f), of(&run.normals, f));
+        [0, 1, 2].map(|k| [at[k], texcoords[k], normals[k]])
+    };
+    run.triangles.iter().enumerate().map(face).collect()
 }
 
 #[test]
@@ -37,7 +43,8 @@ fn runs_follow_the_file() {
         "{SQUARE}usemtl a\ng x\nf 1 2 3\nusemtl b\nf 1 2 3\nf 1 2 4\no y z\nf 1 2 3\ng x\nf 1 2 3\nusemtl\nf 1 2 3"
     );
     let (document, warnings) = parse(&text).unwrap();
-    let runs: Vec<_> = document.runs.iter().map(|r| (r.group, r.material, r.faces.len())).collect();
+    let runs: Vec<_> =
+        document.runs.iter().map(|r| (r.group, r.material, r.triangles.len())).collect();
     let expected =
         [(0, Some(0), 1), (0, Some(1), 2), (1, Some(1), 1), (2, Some(1), 1), (2, None, 1)];
     assert_eq!(runs, expected);
@@ -45,10 +52,26 @@ fn runs_follow_the_file() {
     assert_eq!(document.materials, ["a", "b"]);
     assert_eq!(document.normals, [[0.0, 0.0, 1.0]]);
     assert!(warnings.is_empty());
-    let primitives = document.primitives();
-    assert_eq!(primitives[1].positions.len(), 4);
-    assert_eq!(primitives[0].positions.len(), 3);
-    assert_eq!((primitives[2].name.as_str(), primitives[2].material_name.as_str()), ("y z", "b"));
+    let scene = document.into_scene();
+    let own: Vec<_> = scene.primitives.iter().map(|p| (p.node, p.mesh, p.number)).collect();
+    assert_eq!(own, [(0, 0, 0), (0, 0, 1), (1, 1, 0), (2, 2, 0), (2, 2, 1)]);
+    let third = &scene.primitives[2];
+    assert_eq!((scene.name(third), scene.material_name(third)), ("y z", "b"));
+}
+
+#[test]
+fn polygons_and_what_corners_lack_are_kept() {
+    let text = format!("{SQUARE}vn 0 0 0\nf 1 2 3\nf 1/1/1 2/2/2 3/1/1 4\nf 1 3 4\ng x\nf 1 2 3\n");
+    let scene = parse(&text).unwrap().0.into_scene();
+    let [square, triangle] = &scene.primitives[..] else { panic!("two groups") };
+    assert_eq!(square.polygons, Some(vec![3, 4, 3]));
+    assert_eq!(square.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 2, 3]]);
+    let corners = |name: &str| square.attribute(name).unwrap().corners.clone().unwrap();
+    let none = [ABSENT; 3];
+    assert_eq!(corners("TEXCOORD_0"), [none, [0, 1, 0], [0, 0, ABSENT], none]);
+    // The second normal has no direction.
+    assert_eq!(corners("NORMAL"), [none, [0, ABSENT, 0], [0, 0, ABSENT], none]);
+    assert_eq!((&triangle.polygons, triangle.attributes.len()), (&None, 0));
 }
 
 #[test]
@@ -105,7 +128,7 @@ fn what_can_be_passed_over_is() {
     let text =
         format!("{SQUARE}mtllib a.mtl\nl 1 2\np 1\ns off\ncurv 0 1\nf 1 2\nf 1 2 3\n\0\u{fffd}\n");
     let (document, warnings) = parse(&text).unwrap();
-    assert_eq!(document.runs[0].faces.len(), 1);
+    assert_eq!(document.runs[0].triangles.len(), 1);
     let codes: Vec<_> = warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(codes, ["short_faces", "mtllib_ignored"]);
 }

@@ -5,8 +5,8 @@ use glam::{DMat3, DMat4, DQuat, DVec3};
 use gltf::json::Node;
 use serde_json::Value;
 
-use super::ImportError;
 use super::view::GltfView;
+use crate::mesh::import::ImportError;
 
 /// A mesh of the default scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,16 +18,28 @@ pub(super) struct MeshUse {
     pub world: DMat4,
 }
 
-/// The meshes of the default scene in the order of their first use, depth-first. A document
-/// without scenes shows all its root nodes.
-pub(super) fn mesh_uses(view: &GltfView, most_depth: u32) -> Result<Vec<MeshUse>, ImportError> {
+/// The node hierarchy of a document.
+pub(super) struct Hierarchy {
+    /// The node above each node.
+    pub parents: Vec<Option<usize>>,
+    /// The meshes of the default scene in the order of their first use, depth-first.
+    pub uses: Vec<MeshUse>,
+}
+
+/// Read the hierarchy. A document without scenes shows all its root nodes.
+pub(super) fn read(view: &GltfView, most_depth: u32) -> Result<Hierarchy, ImportError> {
     let parents = parents(view)?;
     check_depth(view, &parents, most_depth)?;
+    let uses = mesh_uses(view, &parents)?;
+    Ok(Hierarchy { parents, uses })
+}
+
+fn mesh_uses(view: &GltfView, parents: &[Option<usize>]) -> Result<Vec<MeshUse>, ImportError> {
     let mut uses: Vec<MeshUse> = Vec::new();
     let mut use_of_mesh = vec![None; view.meshes.len()];
     let mut visited = vec![false; view.nodes.len()];
     let mut stack: Vec<(usize, DMat4)> =
-        roots(view, &parents)?.into_iter().rev().map(|root| (root, DMat4::IDENTITY)).collect();
+        roots(view, parents)?.into_iter().rev().map(|root| (root, DMat4::IDENTITY)).collect();
     while let Some((index, above)) = stack.pop() {
         if std::mem::replace(&mut visited[index], true) {
             continue;
@@ -65,7 +77,7 @@ fn volume(world: &DMat4) -> f64 {
 }
 
 /// The transform of a node against its parent.
-fn local(node: &Node) -> DMat4 {
+pub(super) fn local(node: &Node) -> DMat4 {
     if let Some(matrix) = node.matrix {
         return DMat4::from_cols_array(&matrix.map(f64::from));
     }
@@ -177,7 +189,7 @@ mod tests {
     use serde_json::json;
 
     fn uses(json: Value) -> Result<Vec<MeshUse>, ImportError> {
-        mesh_uses(&GltfView::new(&json, &[])?, 64)
+        read(&GltfView::new(&json, &[])?, 64).map(|hierarchy| hierarchy.uses)
     }
 
     #[test]

@@ -3,8 +3,8 @@
 
 use serde_json::Value;
 
-use super::ImportError;
 use crate::contract::Limits;
+use crate::mesh::import::ImportError;
 
 /// Parse the JSON text of a document.
 pub(super) fn parse(text: &[u8], limits: &Limits) -> Result<Value, ImportError> {

@@ -4,9 +4,10 @@
 
 use std::collections::BTreeMap;
 
-use super::ImportError;
-use super::obj::{ABSENT, ObjCorner, ObjDocument, ObjRun};
+use super::document::{ObjCorner, ObjDocument, ObjRun};
 use crate::contract::Limits;
+use crate::mesh::import::ImportError;
+use crate::mesh::scene::ABSENT;
 
 /// Changes of group or material that a file may have: each becomes a primitive.
 pub(super) const MOST_RUNS: usize = 16_384;
@@ -147,8 +148,7 @@ impl Reader<'_> {
             ));
         }
         self.check_room(self.document.positions.len(), "vertices")?;
-        // In single precision, as the result will have them: what is flat there is flat here.
-        self.document.positions.push([*x, *y, *z].map(|c| f64::from(c as f32)));
+        self.document.positions.push([*x, *y, *z].map(|c| c as f32));
         let held = self.document.positions.len();
         // Colours stand behind x y z, or behind x y z w.
         if let [.., r, g, b] = *more {
@@ -290,7 +290,7 @@ impl Reader<'_> {
         )))
     }
 
-    /// Add a polygon as a fan.
+    /// Add a polygon to its run.
     fn add(&mut self, polygon: &[ObjCorner]) -> Result<(), ImportError> {
         self.triangles += polygon.len() as u64 - 2;
         let material = self.material();
@@ -308,10 +308,10 @@ impl Reader<'_> {
                     self.line
                 )));
             }
-            document.runs.push(ObjRun { group, material, faces: Vec::new() });
+            document.runs.push(ObjRun { group, material, ..ObjRun::default() });
         }
-        if let (Some(run), [hub, rim @ ..]) = (document.runs.last_mut(), polygon) {
-            run.faces.extend(rim.windows(2).map(|pair| [*hub, pair[0], pair[1]]));
+        if let Some(run) = document.runs.last_mut() {
+            run.add(polygon);
         }
         Ok(())
     }

@@ -1,6 +1,10 @@
-//! The GLB container (glTF 2.0 specification, section 4.4): a header of 12 bytes, then chunks.
+//! The GLB container (glTF 2.0 specification, section 4.4): a header of 12 bytes, then chunks;
+//! taken apart and put together.
 
-use super::ImportError;
+use serde_json::Value;
+
+use crate::mesh::export::ExportError;
+use crate::mesh::import::ImportError;
 
 const HEADER: u64 = 12;
 const JSON: u32 = 0x4E4F_534A;
@@ -80,4 +84,26 @@ fn u32_at(bytes: &[u8], at: u64) -> Option<u32> {
     let at = usize::try_from(at).ok()?;
     let word = bytes.get(at..at.checked_add(4)?)?;
     Some(u32::from_le_bytes(word.try_into().ok()?))
+}
+
+/// A document and its binary chunk as one file.
+pub(in crate::mesh) fn join(json: &Value, bin: &[u8]) -> Result<Vec<u8>, ExportError> {
+    let text = json.to_string();
+    let text_size = text.len().next_multiple_of(4);
+    let bin_size = bin.len().next_multiple_of(4);
+    let total = 12 + 8 + text_size as u64 + 8 + bin_size as u64;
+    let length = u32::try_from(total).map_err(|_| ExportError::TooLarge(total))?;
+    let mut out = Vec::with_capacity(total as usize);
+    out.extend_from_slice(b"glTF");
+    out.extend_from_slice(&2u32.to_le_bytes());
+    out.extend_from_slice(&length.to_le_bytes());
+    out.extend_from_slice(&(text_size as u32).to_le_bytes());
+    out.extend_from_slice(b"JSON");
+    out.extend_from_slice(text.as_bytes());
+    out.resize(20 + text_size, b' ');
+    out.extend_from_slice(&(bin_size as u32).to_le_bytes());
+    out.extend_from_slice(b"BIN\0");
+    out.extend_from_slice(bin);
+    out.resize(total as usize, 0);
+    Ok(out)
 }

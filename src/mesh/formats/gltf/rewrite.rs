@@ -3,25 +3,25 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use bytes::Bytes;
 use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Mode;
 use serde_json::{Map, Value, json};
 
+use super::accessor::Elements;
 use super::binary::{Kind, Streams, drop_compressed, lay_out};
-use super::layer::Layer;
-use super::split::split;
-use super::{ExportError, references};
+use super::references;
+use super::textures::tangent_set;
+use super::triangles::Corners;
+use super::view::{GltfView, PrimitiveView};
+use crate::mesh::export::{ExportError, Layer, split};
 use crate::mesh::import::ImportError;
-use crate::mesh::import::accessor::Elements;
-use crate::mesh::import::textures::tangent_set;
-use crate::mesh::import::triangles::Corners;
-use crate::mesh::import::view::{GltfView, PrimitiveView};
-use crate::mesh::scene::Primitive;
+use crate::mesh::scene::{Component, Primitive};
 
 /// The document with `layer` in its `primitives`, and its binary chunk.
-pub(super) fn rewrite(
+pub(in crate::mesh) fn rewrite(
     json: &Value,
-    buffers: &[Vec<u8>],
+    buffers: &[Bytes],
     primitives: &[Primitive],
     layer: Layer,
 ) -> Result<(Value, Vec<u8>), ExportError> {
@@ -36,7 +36,7 @@ pub(super) fn rewrite(
     let mut rest = layer;
     for primitive in primitives {
         let (own, others) = rest.split_at(primitive.triangles.len());
-        writer.primitive(primitive.mesh as usize, primitive.primitive as usize, own)?;
+        writer.primitive(primitive.mesh as usize, primitive.number as usize, own)?;
         rest = others;
     }
     let Writer { view, mut json, streams, accessors, .. } = writer;
@@ -224,7 +224,7 @@ fn bounds(elements: &Elements, sources: &[u32]) -> Option<(Value, Value)> {
             let bound = values.fold(start, pick);
             match elements.component {
                 _ if !bound.is_finite() => None,
-                ComponentType::F32 => Some(Value::from(bound)),
+                Component::F32 => Some(Value::from(bound)),
                 _ => Some(Value::from(bound as i64)),
             }
         };

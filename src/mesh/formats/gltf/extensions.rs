@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 /// Names, or families of names, of extensions that leave triangles where the core says they are.
 const KNOWN: [&str; 16] = [

@@ -4,13 +4,13 @@
 use gltf::json::accessor::ComponentType;
 use serde_json::{Map, Value, json};
 
-use super::ExportError;
-use crate::mesh::import::extensions::COMPRESSED;
-use crate::mesh::import::view::GltfView;
+use super::extensions::COMPRESSED;
+use super::view::GltfView;
+use crate::mesh::export::ExportError;
 
 /// What a buffer view holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(in crate::mesh) enum Kind {
     /// Indices of this many bytes.
     Indices(usize),
     /// Vertex attributes, one element every so many bytes.
@@ -21,13 +21,13 @@ pub(super) enum Kind {
 
 /// Where new data stands.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(in crate::mesh) struct Place {
     pub view: usize,
     pub offset: usize,
 }
 
 /// New data, one stream a kind; each becomes a buffer view.
-pub(super) struct Streams {
+pub(in crate::mesh) struct Streams {
     /// Index of the first stream's view.
     first: usize,
     list: Vec<(Kind, Vec<u8>)>,
@@ -95,7 +95,8 @@ impl Streams {
             Bytes(bytes, 4 * N)
         });
         let place = self.append(Kind::Vertices(4 * N), elements);
-        accessor(place, ComponentType::F32, &format!("VEC{N}"), count)
+        let shape = if N == 1 { "SCALAR".to_owned() } else { format!("VEC{N}") };
+        accessor(place, ComponentType::F32, &shape, count)
     }
 
     /// The buffer views, their offsets still to be set.
@@ -144,7 +145,7 @@ fn accessor(
 
 /// Lay out the binary chunk of a document whose buffer views are `kept`: indices of old views and,
 /// behind those, of streams. Old bytes stay as they were; ranges that overlap are stored once.
-pub(super) fn lay_out(
+pub(in crate::mesh) fn lay_out(
     json: &mut Value,
     kept: &[usize],
     old: Option<&GltfView>,
@@ -199,7 +200,7 @@ pub(super) fn lay_out(
 }
 
 /// Leave out compressed copies of data that stand beside the data themselves.
-pub(super) fn drop_compressed(object: &mut Map<String, Value>) {
+pub(in crate::mesh) fn drop_compressed(object: &mut Map<String, Value>) {
     let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else {
         return;
     };

@@ -2,18 +2,19 @@
 //! `gltf::json`, and the buffers behind them. The document itself stays a `serde_json::Value`,
 //! because those types drop what they do not know.
 
+use bytes::Bytes;
 use gltf::json::mesh::Mode;
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Mesh, Node, buffer};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 /// A document, read.
 pub(in crate::mesh) struct GltfView<'a> {
     pub json: &'a Value,
-    pub buffers: &'a [Vec<u8>],
+    pub buffers: &'a [Bytes],
     pub accessors: Vec<Accessor>,
     pub views: Vec<buffer::View>,
     pub meshes: Vec<Mesh>,
@@ -46,7 +47,7 @@ impl PrimitiveView<'_> {
 impl<'a> GltfView<'a> {
     /// Read what is needed, each element on its own so that an error says where it stands, and
     /// check that every buffer view lies inside its buffer.
-    pub fn new(json: &'a Value, buffers: &'a [Vec<u8>]) -> Result<Self, ImportError> {
+    pub fn new(json: &'a Value, buffers: &'a [Bytes]) -> Result<Self, ImportError> {
         let view = Self {
             json,
             buffers,
@@ -56,13 +57,13 @@ impl<'a> GltfView<'a> {
             nodes: list(json, "nodes")?,
         };
         for i in 0..view.views.len() {
-            view.view_bytes(i)?;
+            view.view_slice(i)?;
         }
         Ok(view)
     }
 
     /// The bytes of a buffer view.
-    pub fn view_bytes(&self, index: usize) -> Result<&'a [u8], ImportError> {
+    pub fn view_slice(&self, index: usize) -> Result<Bytes, ImportError> {
         let view = self.views.get(index).ok_or_else(|| {
             ImportError::invalid(format!(
                 "buffer view {index} does not exist: there are {}",
@@ -79,7 +80,7 @@ impl<'a> GltfView<'a> {
         let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let end = start.checked_add(length).filter(|&end| end <= buffer.len() as u64);
         match end {
-            Some(end) => Ok(&buffer[start as usize..end as usize]),
+            Some(end) => Ok(buffer.slice(start as usize..end as usize)),
             None => Err(ImportError::invalid(format!(
                 "buffer view {index} (offset {start}, {length} bytes) runs past the end of buffer \
                  {number} ({} bytes)",

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::mesh::import::extensions;
+use super::extensions;
 
 /// Leave out the accessors and buffer views that nothing refers to any more. Returns which buffer
 /// views were kept. If the document uses an extension whose references are not known, nothing is

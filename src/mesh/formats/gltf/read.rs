@@ -3,19 +3,23 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use bytes::Bytes;
 use glam::{DMat4, DVec3};
-use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::accessor::Type;
 use serde_json::Value;
 
-use super::ImportError;
 use super::accessor::Elements;
 use super::extensions;
-use super::hierarchy::{self, MeshUse};
+use super::hierarchy::{self, Hierarchy, MeshUse};
 use super::textures;
-use super::triangles::{Corners, Renumbering};
+use super::triangles::Corners;
 use super::view::{GltfView, PrimitiveView};
 use crate::contract::Limits;
-use crate::mesh::scene::Primitive;
+use crate::mesh::import::ImportError;
+use crate::mesh::scene::{
+    Attribute, Component, Document, Material, Mesh, Node, Primitive, Renumbering, Scene,
+    TexcoordOrigin, Values,
+};
 
 /// Vertices that one accessor may declare, per triangle that a file may have. A soup has three.
 const MOST_VERTICES_PER_TRIANGLE: u64 = 4;
@@ -31,20 +35,18 @@ const MOST_WARNINGS: usize = 8;
 /// Characters of a name that are kept for telling parts apart.
 const NAME_LENGTH: usize = 120;
 
-/// What a document shows.
-#[derive(Default)]
-pub(super) struct Shown {
-    pub primitives: Vec<Primitive>,
-    pub labels: Option<Vec<i32>>,
-    pub warnings: Vec<(String, String)>,
-}
-
 /// Read the default scene of a document.
 pub(super) fn read(
-    json: &Value,
-    buffers: &[Vec<u8>],
+    json: Value,
+    buffers: Vec<Bytes>,
     limits: &Limits,
-) -> Result<Shown, ImportError> {
+) -> Result<Scene, ImportError> {
+    let mut scene = shown(&json, &buffers, limits)?;
+    scene.source = Some(Document::Gltf { json, buffers });
+    Ok(scene)
+}
+
+fn shown(json: &Value, buffers: &[Bytes], limits: &Limits) -> Result<Scene, ImportError> {
     let mut reader = Reader {
         view: GltfView::new(json, buffers)?,
         limits,
@@ -54,16 +56,18 @@ pub(super) fn read(
         renumbering: Renumbering::default(),
         labels: Vec::new(),
         labels_hold: true,
+        values: BTreeMap::new(),
         material_sets: BTreeMap::new(),
         texture_sets: BTreeSet::new(),
-        shown: Shown::default(),
+        scene: Scene { texcoord_origin: TexcoordOrigin::TopLeft, ..Scene::default() },
     };
-    for used in hierarchy::mesh_uses(&reader.view, limits.node_depth)? {
+    let Hierarchy { parents, uses } = hierarchy::read(&reader.view, limits.node_depth)?;
+    for used in uses {
         for number in 0..reader.view.meshes[used.mesh].primitives.len() {
             reader.primitive(&used, number)?;
         }
     }
-    Ok(reader.finish())
+    Ok(reader.finish(&parents))
 }
 
 struct Reader<'a> {
@@ -80,18 +84,20 @@ struct Reader<'a> {
     labels: Vec<i32>,
     /// Whether `_PART` was flat on every face so far.
     labels_hold: bool,
+    /// The values of accessors so far: many primitives may share one.
+    values: BTreeMap<usize, Option<Values>>,
     /// Texture coordinate sets that the textures of each material so far read.
     material_sets: BTreeMap<usize, BTreeSet<u64>>,
     /// Those of them that a primitive so far has.
     texture_sets: BTreeSet<u64>,
-    shown: Shown,
+    scene: Scene,
 }
 
 impl<'a> Reader<'a> {
     fn warn(&mut self, code: &str, message: String) {
-        let held = self.shown.warnings.iter().filter(|(held, _)| held == code).count();
+        let held = self.scene.warnings.iter().filter(|(held, _)| held == code).count();
         if held < MOST_WARNINGS {
-            self.shown.warnings.push((code.to_owned(), message));
+            self.scene.warnings.push((code.to_owned(), message));
         }
     }
 
@@ -124,40 +130,55 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         self.count(&primitive, &positions, corners.triangle_count() as u64, &place)?;
-        let mut triangles = corners.triangles(&place)?;
+        let triangles = corners.triangles(&place)?;
         self.read_labels(&primitive, &triangles, &place)?;
         let material = self.material(&primitive, &place)?;
-        let vertices = self.renumbering.apply(&mut triangles, positions.count);
-        let position = |&vertex: &u32| {
-            world_position(&positions, vertex as usize, &used.world).map_err(|what| {
+        let shown = Primitive {
+            node: used.node as u32,
+            mesh: used.mesh as u32,
+            number: number as u32,
+            material: material.map(|m| m as u32),
+            world: Some(used.world),
+            positions: self.values(accessor, &place)?.unwrap_or_default(),
+            attributes: self.attributes(&primitive, &place)?,
+            triangles,
+            polygons: None,
+        };
+        for vertex in self.renumbering.used(&shown.triangles, positions.count) {
+            check_position(&shown, vertex).map_err(|what| {
                 ImportError::invalid(format!(
                     "{place}, POSITION (accessor {accessor}), vertex {vertex}: {what}"
                 ))
-            })
-        };
-        let set = primitive.attribute("TEXCOORD_0");
-        let set = set.map(|accessor| self.view.elements(accessor, &place)).transpose()?;
-        let texcoords = match set.filter(|set| set.shape == Type::Vec2) {
-            Some(set) => {
-                let at =
-                    |v: u32| [0, 1].map(|k| set.value(vertices[v as usize] as usize, k) as f32);
-                triangles.iter().map(|t| t.map(at)).collect()
-            }
-            None => Vec::new(),
-        };
-        let material_name = material.and_then(|m| self.name("materials", m));
-        self.shown.primitives.push(Primitive {
-            node: used.node as u32,
-            mesh: used.mesh as u32,
-            primitive: number as u32,
-            material: material.map(|m| m as u32),
-            name,
-            material_name: material_name.unwrap_or_default(),
-            positions: vertices.iter().map(position).collect::<Result<_, _>>()?,
-            triangles,
-            texcoords,
-        });
+            })?;
+        }
+        self.scene.primitives.push(shown);
         Ok(())
+    }
+
+    /// The values of an accessor, counted before; nothing where they are matrices.
+    fn values(&mut self, accessor: usize, place: &str) -> Result<Option<Values>, ImportError> {
+        if let Some(held) = self.values.get(&accessor) {
+            return Ok(held.clone());
+        }
+        let values = self.view.elements(accessor, place)?.values();
+        self.values.insert(accessor, values.clone());
+        Ok(values)
+    }
+
+    /// What vertices have besides positions. Matrices stay in the document.
+    fn attributes(
+        &mut self,
+        primitive: &PrimitiveView,
+        place: &str,
+    ) -> Result<Vec<Attribute>, ImportError> {
+        let mut attributes = Vec::new();
+        for &(name, accessor) in primitive.attributes.iter().filter(|(name, _)| *name != "POSITION")
+        {
+            if let Some(values) = self.values(accessor, &format!("{place}, {name}"))? {
+                attributes.push(Attribute { name: name.to_owned(), values, corners: None });
+            }
+        }
+        Ok(attributes)
     }
 
     /// The positions: three floats each, or integers where the document says so.
@@ -166,13 +187,13 @@ impl<'a> Reader<'a> {
         accessor: usize,
         primitive: &PrimitiveView,
         place: &str,
-    ) -> Result<Elements<'a>, ImportError> {
-        use ComponentType::{F32, I8, I16, U8, U16};
+    ) -> Result<Elements, ImportError> {
+        use Component::{F32, I8, I16, U8, U16};
         let elements = self.view.elements(accessor, &format!("{place}, POSITION"))?;
         let component = match elements.component {
             F32 => true,
             I8 | U8 | I16 | U16 => self.quantized,
-            ComponentType::U32 => false,
+            Component::U32 | Component::F64 => false,
         };
         if elements.shape != Type::Vec3 || !component {
             return Err(ImportError::invalid(format!(
@@ -296,10 +317,10 @@ impl<'a> Reader<'a> {
         Ok(Some(number))
     }
 
-    fn finish(mut self) -> Shown {
+    fn finish(mut self, parents: &[Option<usize>]) -> Scene {
         if self.labels_hold && !self.labels.is_empty() {
             self.labels.resize(self.faces as usize, UNKNOWN);
-            self.shown.labels = Some(self.labels);
+            self.scene.labels = Some(std::mem::take(&mut self.labels));
         }
         if !self.texture_sets.is_empty() {
             let sets: Vec<_> = self.texture_sets.iter().map(|s| format!("TEXCOORD_{s}")).collect();
@@ -308,21 +329,35 @@ impl<'a> Reader<'a> {
                  set is replaced; choose another uv_channel to keep it",
                 sets.join(", ")
             );
-            self.shown.warnings.push(("textured".to_owned(), message));
+            self.scene.warnings.push(("textured".to_owned(), message));
         }
-        self.shown
+        let named = |list, index| self.name(list, index).unwrap_or_default();
+        let nodes = self.view.nodes.iter().zip(parents).enumerate();
+        let node = |(i, (node, parent)): (usize, (_, &Option<usize>))| Node {
+            name: named("nodes", i),
+            parent: parent.map(|parent| parent as u32),
+            transform: Some(hierarchy::local(node)).filter(|t| *t != DMat4::IDENTITY).map(Box::new),
+            mesh: node.mesh.map(|mesh| mesh.value() as u32),
+        };
+        let nodes = nodes.map(node).collect();
+        let meshes =
+            (0..self.view.meshes.len()).map(|i| Mesh { name: named("meshes", i) }).collect();
+        let materials = self.view.json.get("materials").and_then(Value::as_array);
+        let materials = 0..materials.map_or(0, Vec::len);
+        let materials = materials.map(|i| Material { name: named("materials", i) }).collect();
+        Scene { nodes, meshes, materials, ..self.scene }
     }
 }
 
-/// A vertex in the world, or what is wrong with it.
-fn world_position(positions: &Elements, vertex: usize, world: &DMat4) -> Result<DVec3, String> {
-    let local = DVec3::from_array([0, 1, 2].map(|k| positions.value(vertex, k)));
-    if !local.is_finite() {
+/// What is wrong with a vertex in the world.
+fn check_position(primitive: &Primitive, vertex: u32) -> Result<(), String> {
+    let local: [f64; 3] = primitive.positions.vector(vertex as usize);
+    if !local.iter().all(|x| x.is_finite()) {
+        let local = DVec3::from_array(local);
         return Err(format!("the position {local} is not finite: repair the mesh"));
     }
-    let point = world.transform_point3(local);
-    match point.is_finite() {
-        true => Ok(point),
+    match primitive.position(vertex).is_finite() {
+        true => Ok(()),
         false => Err("the node's transform takes it out of the finite numbers".to_owned()),
     }
 }

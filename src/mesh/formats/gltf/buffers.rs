@@ -4,9 +4,10 @@
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use bytes::Bytes;
 use serde_json::Value;
 
-use super::ImportError;
+use crate::mesh::import::ImportError;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
@@ -15,14 +16,15 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// Decode every buffer. The URIs of the buffers are taken out of the document: from here on their
 /// bytes stand in the result.
-pub(super) fn decode(json: &mut Value, bin: Option<&[u8]>) -> Result<Vec<Vec<u8>>, ImportError> {
+pub(super) fn decode(json: &mut Value, bin: Option<&[u8]>) -> Result<Vec<Bytes>, ImportError> {
     refuse_external_images(json)?;
     let list = match json.get_mut("buffers") {
         None => return Ok(Vec::new()),
         Some(Value::Array(list)) => list,
         Some(_) => return Err(ImportError::invalid("`buffers` must be an array")),
     };
-    list.iter_mut().enumerate().map(|(i, buffer)| decode_one(i, buffer, bin)).collect()
+    let bytes = |(i, buffer)| decode_one(i, buffer, bin).map(Bytes::from);
+    list.iter_mut().enumerate().map(bytes).collect()
 }
 
 fn decode_one(i: usize, buffer: &mut Value, bin: Option<&[u8]>) -> Result<Vec<u8>, ImportError> {

@@ -1,25 +1,26 @@
 //! The triangles of one glTF primitive: strips and fans expanded in face order, every index below
 //! the vertex count.
 
-use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::accessor::Type;
 use gltf::json::mesh::Mode;
 
-use super::ImportError;
 use super::accessor::Elements;
 use super::view::{GltfView, PrimitiveView};
+use crate::mesh::import::ImportError;
+use crate::mesh::scene::Component;
 
 /// How a primitive's corners are listed.
-pub(in crate::mesh) struct Corners<'a> {
-    indices: Option<Elements<'a>>,
+pub(in crate::mesh) struct Corners {
+    indices: Option<Elements>,
     mode: Mode,
     vertices: usize,
 }
 
-impl<'a> Corners<'a> {
+impl Corners {
     /// The corners of a primitive of `vertices` vertices; nothing is read yet. `place` names it in
     /// errors.
     pub fn new(
-        view: &GltfView<'a>,
+        view: &GltfView,
         primitive: &PrimitiveView,
         mode: Mode,
         vertices: usize,
@@ -28,7 +29,7 @@ impl<'a> Corners<'a> {
         let read = |accessor| view.elements(accessor, &format!("{place}, indices"));
         let indices = primitive.indices.map(read).transpose()?;
         if let Some(indices) = &indices {
-            use ComponentType::{U8, U16, U32};
+            use Component::{U8, U16, U32};
             let integers = matches!(indices.component, U8 | U16 | U32) && !indices.normalized;
             if !integers || indices.shape != Type::Scalar {
                 return Err(ImportError::invalid(format!(
@@ -89,43 +90,6 @@ impl<'a> Corners<'a> {
     }
 }
 
-/// Numbers the vertices that a primitive uses, leaving out the others: many primitives may share
-/// one large vertex buffer, and each is to cost no more than its own corners.
-#[derive(Default)]
-pub(super) struct Renumbering {
-    /// New number of each old vertex, [`u32::MAX`] between calls.
-    slots: Vec<u32>,
-}
-
-impl Renumbering {
-    /// Rewrite triangles of vertices below `count` to the used vertices, which come back in
-    /// ascending order.
-    pub fn apply(&mut self, triangles: &mut [[u32; 3]], count: usize) -> Vec<u32> {
-        if self.slots.len() < count {
-            self.slots.resize(count, u32::MAX);
-        }
-        let mut used = Vec::new();
-        for &vertex in triangles.as_flattened() {
-            let slot = &mut self.slots[vertex as usize];
-            if *slot == u32::MAX {
-                *slot = 0;
-                used.push(vertex);
-            }
-        }
-        used.sort_unstable();
-        for (number, &vertex) in used.iter().enumerate() {
-            self.slots[vertex as usize] = number as u32;
-        }
-        for vertex in triangles.as_flattened_mut() {
-            *vertex = self.slots[*vertex as usize];
-        }
-        for &vertex in &used {
-            self.slots[vertex as usize] = u32::MAX;
-        }
-        used
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,16 +105,5 @@ mod tests {
         assert_eq!(expand(Mode::TriangleFan, 5), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
         assert_eq!(expand(Mode::TriangleStrip, 2), Vec::<[u32; 3]>::new());
         assert_eq!(expand(Mode::TriangleFan, 0), Vec::<[u32; 3]>::new());
-    }
-
-    #[test]
-    fn renumbering_keeps_the_order_and_forgets_between_calls() {
-        let mut numbers = Renumbering::default();
-        let mut triangles = [[9, 4, 7], [4, 9, 2]];
-        assert_eq!(numbers.apply(&mut triangles, 10), [2, 4, 7, 9]);
-        assert_eq!(triangles, [[3, 1, 2], [1, 3, 0]]);
-        let mut triangles = [[5, 4, 3]];
-        assert_eq!(numbers.apply(&mut triangles, 6), [3, 4, 5]);
-        assert_eq!(triangles, [[2, 1, 0]]);
     }
 }
