@@ -3,7 +3,6 @@
 mod bench;
 mod demo;
 mod doctor;
-mod formats;
 mod input;
 mod openapi;
 mod options;
@@ -51,8 +50,6 @@ enum Command {
     Synth(synth::Args),
     /// Train the segmentation network.
     Train(train::Args),
-    /// Print the table of mesh formats.
-    Formats(formats::Args),
     /// Print the OpenAPI description of the service.
     Openapi(openapi::Args),
     /// Write the reference of options, files, warnings and error codes from the tables in the source.
@@ -72,7 +69,6 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Train(args) => train::run(args),
-        Command::Formats(args) => formats::run(args),
         Command::Openapi(args) => openapi::run(args),
         Command::Reference(args) => reference::run(args),
     };

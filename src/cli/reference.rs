@@ -1,4 +1,4 @@
-//! `uvsegnet reference`: the tables of options, files, warnings and error codes as documentation, made from
+//! `uvsegnet reference`: the tables of options, formats, files, warnings and error codes as documentation, made from
 //! the tables in the source. Tests hold what is committed against it.
 
 use std::fmt::Write;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 
 use crate::contract::{
-    ArtifactKind, ErrorCode, OptionGroup, OptionInfo, UnwrapOptions, WarningCode,
+    ArtifactKind, ErrorCode, MeshKind, OptionGroup, OptionInfo, UnwrapOptions, WarningCode,
 };
 
 /// The page, from the top of the tree.
@@ -70,6 +70,18 @@ fn page() -> String {
         let own: Vec<OptionInfo> = options.iter().filter(|o| o.group == group).cloned().collect();
         let _ = write!(page, "\n### {}\n\n{}", group.heading(), table(&own));
     }
+    page += "\n## Formats\n\nWhat a file is, its first bytes tell; an ending or a media type only has to agree. A \
+        file must hold everything itself: no other file is opened.\n\n\
+        | format | read | written | endings | media types | what is read besides triangles |\n\
+        |---|---|---|---|---|---|\n";
+    for kind in MeshKind::ALL {
+        let (name, written) = (kind.name(), if kind.is_written() { "yes" } else { "no" });
+        let read = if kind.note().is_empty() { "yes" } else { kind.note() };
+        let endings = list(kind.endings().iter().map(|ending| format!("`.{ending}`")));
+        let types = list(kind.media_types().iter().map(|media_type| format!("`{media_type}`")));
+        let carries = list(kind.carries().iter().map(|carry| carry.as_str().to_owned()));
+        let _ = writeln!(page, "| {name} | {read} | {written} | {endings} | {types} | {carries} |");
+    }
     page += "\n## Files\n\n| file | media type | flag of `unwrap` | what it is | written |\n|---|---|---|---|---|\n";
     for kind in ArtifactKind::ALL {
         let flag = match kind.flag() {
@@ -95,6 +107,10 @@ fn page() -> String {
         let _ = write!(page, "\n### {name}\n\n{status}. {meaning}\n");
     }
     page
+}
+
+fn list(items: impl Iterator<Item = String>) -> String {
+    items.collect::<Vec<_>>().join(", ")
 }
 
 fn table(options: &[OptionInfo]) -> String {

@@ -45,15 +45,6 @@ warnings! {
     Degraded "degraded" "A stage took a cheaper form, for the job's time or memory ran low",
 }
 
-impl std::str::FromStr for WarningCode {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let found = WarningCode::ALL.iter().find(|code| code.as_str() == text);
-        found.copied().ok_or_else(|| format!("unknown code of a warning {text:?}"))
-    }
-}
-
 /// Something the user should know.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Warning {

@@ -29,7 +29,7 @@ pub use engine::Engine;
 pub use error::{Cause, UnwrapError};
 pub use result::{Artifact, Unwrapped};
 
-use crate::contract::{Limits, MeshKind, Run, Stage, StopAfter, UnwrapOptions};
+use crate::contract::{Limits, MeshKind, Progress, Run, Stage, StopAfter, UnwrapOptions};
 use crate::mesh::{self, Scene};
 
 /// A mesh as it was uploaded.
@@ -79,10 +79,8 @@ fn import(input: &Input, limits: &Limits, run: &Run) -> Result<Scene, Cause> {
         let labels = mesh::import::parse_labels(labels, scene.face_count());
         scene.labels = Some(labels.map_err(Cause::Labels)?);
     }
-    for (code, message) in &scene.warnings {
-        if let Ok(code) = code.parse() {
-            run.warn(code, message.clone());
-        }
+    for warning in &scene.warnings {
+        run.tell(Progress::Warning(warning.clone()));
     }
     Ok(scene)
 }

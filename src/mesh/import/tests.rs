@@ -49,7 +49,7 @@ fn a_document_of_everything_is_read_in_face_order() {
     assert_eq!(corners[6], [[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [0.0, 50.0, 0.0]]);
     assert_eq!(corners[7], [[0.0, 50.0, 0.0], [50.0, 0.0, 0.0], [50.0, 50.0, 0.0]]);
     assert_eq!(scene.labels, Some(vec![-1, -1, -1, -1, -1, -1, 4, 4, 4]));
-    let codes: Vec<_> = scene.warnings.iter().map(|(code, _)| code.as_str()).collect();
+    let codes: Vec<_> = scene.warnings.iter().map(|w| w.code.as_str()).collect();
     assert_eq!(codes, ["textured"]);
 }
 
@@ -77,7 +77,7 @@ fn labels_that_vary_over_a_face_are_told_and_left() {
     f.json["meshes"][0]["primitives"][0]["attributes"]["_PART"] = json!(parts);
     let scene = read(&f).unwrap();
     assert_eq!(scene.labels, None);
-    assert_eq!(scene.warnings[0].0, "part_attribute_ignored");
+    assert_eq!(scene.warnings[0].code.as_str(), "part_attribute_ignored");
 }
 
 #[test]
@@ -227,7 +227,7 @@ fn the_container_is_checked() {
     let mut longer = whole.clone();
     longer.extend([0; 5]);
     let scene = import(&longer, MeshKind::Glb, &Limits::default()).unwrap();
-    assert_eq!(scene.warnings[0].0, "passed_over");
+    assert_eq!(scene.warnings[0].code.as_str(), "passed_over");
     let not_json = glb(b"{\"asset\": ", b"");
     assert!(error(&not_json).to_string().contains("JSON"));
 }

@@ -18,6 +18,8 @@ pub(in crate::mesh) use view::{Replaced, View};
 use bytes::Bytes;
 use glam::{DMat4, DVec3};
 
+use crate::contract::Warning;
+
 /// What was read from a file, or made by hand.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
@@ -33,8 +35,8 @@ pub struct Scene {
     pub texcoord_origin: TexcoordOrigin,
     /// One label a face (−1 unknown), from the file or given with the request.
     pub labels: Option<Vec<i32>>,
-    /// What the user should know about the file: a short code and a sentence each.
-    pub warnings: Vec<(String, String)>,
+    /// What the user should know about the file.
+    pub warnings: Vec<Warning>,
     /// What it was read from, where the result is written into that; else a fresh document is written.
     pub source: Option<Document>,
 }

@@ -22,7 +22,7 @@ pub(in crate::mesh) use container::join;
 pub(in crate::mesh) use fresh::fresh;
 pub(in crate::mesh) use rewrite::rewrite;
 
-use crate::contract::Limits;
+use crate::contract::{Limits, Warning, WarningCode};
 use crate::mesh::import::ImportError;
 use crate::mesh::scene::Scene;
 
@@ -32,7 +32,7 @@ pub(super) fn read_glb(bytes: &[u8], limits: &Limits) -> Result<Scene, ImportErr
     let mut scene = read_json(chunks.json, chunks.bin, limits)?;
     if chunks.passed_over {
         let message = "what stands in the GLB behind its known chunks was left out";
-        scene.warnings.push(("passed_over".to_owned(), message.to_owned()));
+        scene.warnings.push(Warning::new(WarningCode::PassedOver, message));
     }
     Ok(scene)
 }

@@ -14,7 +14,7 @@ use super::hierarchy::{self, Hierarchy, MeshUse};
 use super::textures;
 use super::triangles::Corners;
 use super::view::{GltfView, PrimitiveView};
-use crate::contract::Limits;
+use crate::contract::{Limits, Warning, WarningCode};
 use crate::mesh::import::ImportError;
 use crate::mesh::scene::{
     Attribute, Component, Document, Material, Mesh, Node, Primitive, Renumbering, Scene,
@@ -94,10 +94,10 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn warn(&mut self, code: &str, message: String) {
-        let held = self.scene.warnings.iter().filter(|(held, _)| held == code).count();
+    fn warn(&mut self, code: WarningCode, message: String) {
+        let held = self.scene.warnings.iter().filter(|held| held.code == code).count();
         if held < MOST_WARNINGS {
-            self.scene.warnings.push((code.to_owned(), message));
+            self.scene.warnings.push(Warning::new(code, message));
         }
     }
 
@@ -116,7 +116,10 @@ impl<'a> Reader<'a> {
         let primitive = self.view.primitive(used.mesh, number, &place)?;
         let Some(mode) = primitive.mode else { return Ok(()) };
         let Some(accessor) = primitive.attribute("POSITION") else {
-            self.warn("skipped_primitive", format!("{place} has no POSITION: left as it is"));
+            self.warn(
+                WarningCode::SkippedPrimitive,
+                format!("{place} has no POSITION: left as it is"),
+            );
             return Ok(());
         };
         let positions = self.positions(accessor, &primitive, &place)?;
@@ -124,7 +127,7 @@ impl<'a> Reader<'a> {
         if corners.left_over() > 0 {
             let left = corners.left_over();
             let message = format!("{place}: its last {left} corners make no triangle: left out");
-            self.warn("left_over_corners", message);
+            self.warn(WarningCode::LeftOverCorners, message);
         }
         if corners.triangle_count() == 0 {
             return Ok(());
@@ -287,7 +290,7 @@ impl<'a> Reader<'a> {
                 _ => {
                     self.labels_hold = false;
                     self.warn(
-                        "part_attribute_ignored",
+                        WarningCode::PartAttributeIgnored,
                         format!(
                             "{place}: _PART must be one whole number, -1 or more, over all corners \
                              of a face: it is not read"
@@ -329,7 +332,7 @@ impl<'a> Reader<'a> {
                  set is replaced; choose another uv_channel to keep it",
                 sets.join(", ")
             );
-            self.scene.warnings.push(("textured".to_owned(), message));
+            self.warn(WarningCode::Textured, message);
         }
         let named = |list, index| self.name(list, index).unwrap_or_default();
         let nodes = self.view.nodes.iter().zip(parents).enumerate();

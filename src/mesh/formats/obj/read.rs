@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use super::document::{ObjCorner, ObjDocument, ObjRun};
-use crate::contract::Limits;
+use crate::contract::{Limits, Warning, WarningCode};
 use crate::mesh::import::ImportError;
 use crate::mesh::scene::ABSENT;
 
@@ -17,8 +17,8 @@ const MOST_VERTICES_PER_TRIANGLE: u64 = 4;
 /// Bytes of a name that are kept.
 const NAME_LENGTH: usize = 120;
 
-/// A document and its warnings: a short code and a sentence each.
-type Read = (ObjDocument, Vec<(String, String)>);
+/// A document and its warnings.
+type Read = (ObjDocument, Vec<Warning>);
 
 /// Read an OBJ file.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Read, ImportError> {
@@ -333,27 +333,31 @@ impl Reader<'_> {
         }
         let counts = &self.counts;
         let warnings = [
-            (counts.short_faces, "short_faces", "faces of fewer than three corners, left out"),
-            (counts.bad_colors, "bad_colors", "vertex colours outside 0 to 1, clamped"),
+            (
+                counts.short_faces,
+                WarningCode::ShortFaces,
+                "faces of fewer than three corners, left out",
+            ),
+            (counts.bad_colors, WarningCode::BadColors, "vertex colours outside 0 to 1, clamped"),
             (
                 counts.bad_normals,
-                "bad_normals",
+                WarningCode::BadNormals,
                 "normals without a direction: groups that use them lose their normals",
             ),
             (
                 counts.bad_texcoords,
-                "bad_texcoords",
+                WarningCode::BadTexcoords,
                 "texture coordinates that are not finite, set to 0",
             ),
             (
                 counts.libraries,
-                "mtllib_ignored",
+                WarningCode::MtllibIgnored,
                 "material libraries, not read: materials keep their names only",
             ),
         ];
         let warnings = warnings.into_iter().filter(|(count, ..)| *count > 0);
         let warnings = warnings
-            .map(|(count, code, what)| (code.to_owned(), format!("{what}: {count} in the file")));
+            .map(|(count, code, what)| Warning::new(code, format!("{what}: {count} in the file")));
         let warnings = warnings.collect();
         Ok((self.document, warnings))
     }

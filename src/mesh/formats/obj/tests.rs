@@ -2,13 +2,13 @@
 
 use super::document::ObjDocument;
 use super::read::{MOST_RUNS, read};
-use crate::contract::{ErrorCode, Limits};
+use crate::contract::{ErrorCode, Limits, Warning};
 use crate::mesh::import::ImportError;
 use crate::mesh::scene::ABSENT;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 2\n";
 
-fn parse(text: &str) -> Result<(ObjDocument, Vec<(String, String)>), ImportError> {
+fn parse(text: &str) -> Result<(ObjDocument, Vec<Warning>), ImportError> {
     read(text.as_bytes(), &Limits::default())
 }
 
@@ -79,7 +79,7 @@ fn colors_stand_behind_positions() {
     let (document, warnings) = parse("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 nan 2 0\nf 1 2 3").unwrap();
     let colors = document.colors.unwrap();
     assert_eq!(colors, [[1.0; 3], [1.0, 0.5, 0.0], [1.0, 1.0, 0.0]]);
-    assert_eq!(warnings[0].0, "bad_colors");
+    assert_eq!(warnings[0].code.as_str(), "bad_colors");
     let (document, _) = parse("v 0 0 0 1.0\nv 1 0 0 1.0\nv 1 1 0 1.0\nf 1 2 3").unwrap();
     assert!(document.colors.is_none());
 }
@@ -129,6 +129,6 @@ fn what_can_be_passed_over_is() {
         format!("{SQUARE}mtllib a.mtl\nl 1 2\np 1\ns off\ncurv 0 1\nf 1 2\nf 1 2 3\n\0\u{fffd}\n");
     let (document, warnings) = parse(&text).unwrap();
     assert_eq!(document.runs[0].triangles.len(), 1);
-    let codes: Vec<_> = warnings.iter().map(|w| w.0.as_str()).collect();
+    let codes: Vec<_> = warnings.iter().map(|w| w.code.as_str()).collect();
     assert_eq!(codes, ["short_faces", "mtllib_ignored"]);
 }
