@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use crate::contract::{JobError, UnwrapOptions};
 use crate::jobs::{
-    Artifact, Event, EventKind, Job, JobId, JobProgress, JobState, MetricsSummary, Versions,
+    Event, EventKind, Job, JobId, JobProgress, JobState, MetricsSummary, StoredArtifact, Versions,
 };
 
 /// A job.
@@ -114,7 +114,7 @@ pub struct ArtifactBody {
 
 impl ArtifactBody {
     /// One of the artifacts of `job`.
-    pub fn of(job: &Job, artifact: &Artifact) -> Self {
+    pub fn of(job: &Job, artifact: &StoredArtifact) -> Self {
         Self {
             name: artifact.name.clone(),
             media_type: artifact.media_type.clone(),

@@ -150,7 +150,7 @@ pub struct Versions {
 
 /// A file that a job made.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Artifact {
+pub struct StoredArtifact {
     /// Its name, as in `model.glb`.
     pub name: String,
     /// Its media type, as in `model/gltf-binary`.
@@ -214,7 +214,7 @@ pub struct Job {
     /// Why a job failed.
     pub error: Option<JobError>,
     /// What it made, in a fixed order. The rows stay after expiry; the blobs do not.
-    pub artifacts: Vec<Artifact>,
+    pub artifacts: Vec<StoredArtifact>,
     /// Kind of mesh that the upload is.
     pub kind: MeshKind,
     /// Name of the blob that holds the mesh.

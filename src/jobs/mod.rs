@@ -23,10 +23,10 @@ pub use blobs::{BlobError, BlobFolder, BlobStream, BlobWriter, Blobs, OrphanErro
 pub use changes::Changes;
 pub use event::{Event, EventKind, NewEvent};
 pub use housekeeping::Housekeeping;
-pub use job::{Artifact, Job, JobId, JobIdError, JobProgress, JobState, NewJob, Versions};
+pub use job::{Job, JobId, JobIdError, JobProgress, JobState, NewJob, StoredArtifact, Versions};
 pub use presence::Presence;
 pub use queue::{
-    CancelOutcome, Claim, Deleted, Finished, Lease, ListFilter, Page, Queue, QueueError, Stats,
+    CancelOutcome, Claim, Deleted, Handover, Lease, ListFilter, Page, Queue, QueueError, Stats,
     Swept, Tick, TickAnswer, WORKER_ALIVE, Worker,
 };
 pub use sqlite::{SqliteConfig, SqliteQueue};

@@ -11,7 +11,9 @@ use utoipa::ToSchema;
 
 use crate::contract::JobError;
 
-use super::{Artifact, Event, Job, JobId, JobProgress, JobState, MetricsSummary, NewEvent, NewJob};
+use super::{
+    Event, Job, JobId, JobProgress, JobState, MetricsSummary, NewEvent, NewJob, StoredArtifact,
+};
 
 /// What can go wrong between us and the database.
 #[derive(Debug, thiserror::Error)]
@@ -89,13 +91,13 @@ pub enum TickAnswer {
 
 /// What a worker hands in with the end of an attempt: last events, the files it wrote.
 #[derive(Debug, Clone, Default)]
-pub struct Finished {
+pub struct Handover {
     /// Events not yet written, oldest first.
     pub events: Vec<NewEvent>,
     /// How far the job came.
     pub progress: Option<JobProgress>,
     /// Files whose blobs are in place.
-    pub artifacts: Vec<Artifact>,
+    pub artifacts: Vec<StoredArtifact>,
     /// Figures of the result.
     pub metrics: Option<MetricsSummary>,
 }
@@ -245,7 +247,7 @@ pub trait Queue: Send + Sync + 'static {
     async fn tick(&self, lease: &Lease, tick: Tick) -> Result<TickAnswer, QueueError>;
 
     /// The job succeeded.
-    async fn finish(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError>;
+    async fn finish(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError>;
 
     /// The attempt failed. An error of the machine (`device_lost`, `worker_crashed`) sends the job back
     /// while attempts are left (`Ok(JobState::Queued)`); any other ends it (`Ok(JobState::Failed)`).
@@ -253,11 +255,11 @@ pub trait Queue: Send + Sync + 'static {
         &self,
         lease: &Lease,
         error: JobError,
-        finished: Finished,
+        handover: Handover,
     ) -> Result<JobState, QueueError>;
 
     /// The job stopped because somebody asked for that.
-    async fn canceled(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError>;
+    async fn canceled(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError>;
 
     /// The worker shuts down: hand the job back without spending an attempt. A job that somebody
     /// asked to cancel is `canceled` instead.

@@ -16,8 +16,8 @@ use super::results::{discard, store_all};
 use crate::contract::{Budget, Cancel, ErrorCode, JobError, Limits, Run};
 use crate::device::Device;
 use crate::jobs::{
-    Artifact, Blobs, Changes, Claim, Finished, Job, JobState, Lease, MetricsSummary, NewEvent,
-    Queue, QueueError, Tick, TickAnswer,
+    Blobs, Changes, Claim, Handover, Job, JobState, Lease, MetricsSummary, NewEvent, Queue,
+    QueueError, StoredArtifact, Tick, TickAnswer,
 };
 use crate::pipeline::Unwrapped;
 use crate::telemetry::JobLog;
@@ -226,11 +226,11 @@ impl Attempt<'_> {
     }
 
     /// The events and the progress that go with the end.
-    fn rest(&mut self) -> (Vec<NewEvent>, Finished) {
+    fn rest(&mut self) -> (Vec<NewEvent>, Handover) {
         self.gather();
         let rest = std::mem::take(&mut self.unwritten);
-        let finished = Finished { progress: rest.progress, ..Finished::default() };
-        (rest.events, finished)
+        let handover = Handover { progress: rest.progress, ..Handover::default() };
+        (rest.events, handover)
     }
 
     /// Commit the end of the attempt.
@@ -262,8 +262,8 @@ impl Attempt<'_> {
     }
 
     async fn succeed(&mut self, unwrapped: &Unwrapped) -> Result<(), QueueError> {
-        let (events, mut finished) = self.rest();
-        if let Some(progress) = &mut finished.progress {
+        let (events, mut handover) = self.rest();
+        if let Some(progress) = &mut handover.progress {
             (progress.fraction, progress.eta_s) = (1.0, Some(0.0));
         }
         tracing::info!(job = %self.lease.job, "job succeeded");
@@ -279,20 +279,20 @@ impl Attempt<'_> {
             }
         };
         let metrics = Some(MetricsSummary::from(&unwrapped.metrics));
-        let finished = Finished { events, artifacts: artifacts.clone(), metrics, ..finished };
-        let committed = self.context.queue.finish(&self.lease, finished).await;
+        let handover = Handover { events, artifacts: artifacts.clone(), metrics, ..handover };
+        let committed = self.context.queue.finish(&self.lease, handover).await;
         self.keep_if_ok(committed, &artifacts).await
     }
 
     /// Says that this process is to be renewed where the device was lost.
     async fn fail(&mut self, error: JobError) -> Result<Option<Next>, QueueError> {
-        let (events, finished) = self.rest();
+        let (events, handover) = self.rest();
         tracing::warn!(job = %self.lease.job, %error, "attempt failed");
         let lost = error.code == ErrorCode::DeviceLost;
         // A log that cannot be stored must not hide the error that it was to explain.
         let artifacts = store_all(&self.context.blobs, [log()]).await.unwrap_or_default();
-        let finished = Finished { events, artifacts: artifacts.clone(), ..finished };
-        let state = self.context.queue.fail(&self.lease, error, finished).await;
+        let handover = Handover { events, artifacts: artifacts.clone(), ..handover };
+        let state = self.context.queue.fail(&self.lease, error, handover).await;
         if !matches!(state, Ok(JobState::Failed)) {
             discard(&self.context.blobs, &artifacts).await;
         }
@@ -305,9 +305,9 @@ impl Attempt<'_> {
         match self.stop {
             Some(Stop::LeaseLost) => Err(QueueError::LeaseLost),
             Some(Stop::Canceled) => {
-                let (events, finished) = self.rest();
+                let (events, handover) = self.rest();
                 tracing::info!(job = %self.lease.job, "job canceled");
-                queue.canceled(&self.lease, Finished { events, ..finished }).await
+                queue.canceled(&self.lease, Handover { events, ..handover }).await
             }
             Some(Stop::Drained) => {
                 let (events, _) = self.rest();
@@ -332,7 +332,7 @@ impl Attempt<'_> {
     async fn keep_if_ok(
         &self,
         committed: Result<(), QueueError>,
-        artifacts: &[Artifact],
+        artifacts: &[StoredArtifact],
     ) -> Result<(), QueueError> {
         // Of any other error it is not known whether the row stands: the orphan sweep knows.
         if matches!(committed, Err(QueueError::LeaseLost)) {

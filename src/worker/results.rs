@@ -2,7 +2,7 @@
 
 use bytes::Bytes;
 
-use crate::jobs::{Artifact, BlobError, BlobFolder, Blobs};
+use crate::jobs::{BlobError, BlobFolder, Blobs, StoredArtifact};
 
 /// Store one file.
 async fn store(
@@ -10,9 +10,9 @@ async fn store(
     name: &str,
     media_type: &str,
     bytes: Bytes,
-) -> Result<Artifact, BlobError> {
+) -> Result<StoredArtifact, BlobError> {
     let stored = blobs.put(BlobFolder::Artifacts, bytes).await?;
-    Ok(Artifact {
+    Ok(StoredArtifact {
         name: name.into(),
         media_type: media_type.into(),
         bytes: stored.bytes,
@@ -25,7 +25,7 @@ async fn store(
 pub async fn store_all(
     blobs: &Blobs,
     files: impl IntoIterator<Item = (&str, &str, Bytes)>,
-) -> Result<Vec<Artifact>, BlobError> {
+) -> Result<Vec<StoredArtifact>, BlobError> {
     let mut stored = Vec::new();
     for (name, media_type, bytes) in files {
         match store(blobs, name, media_type, bytes).await {
@@ -40,7 +40,7 @@ pub async fn store_all(
 }
 
 /// Delete files that no row will name. What cannot be deleted is left to the orphan sweep.
-pub async fn discard(blobs: &Blobs, artifacts: &[Artifact]) {
+pub async fn discard(blobs: &Blobs, artifacts: &[StoredArtifact]) {
     for artifact in artifacts {
         if let Err(error) = blobs.delete(&artifact.blob).await {
             tracing::warn!(blob = artifact.blob, %error, "cannot delete a file of an attempt");

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use uvsegnet::jobs::{
-    Claim, Deleted, Finished, JobState, ListFilter, NewJob, Queue, QueueError, SqliteConfig,
+    Claim, Deleted, Handover, JobState, ListFilter, NewJob, Queue, QueueError, SqliteConfig,
     SqliteQueue,
 };
 
@@ -50,7 +50,7 @@ async fn a_deleted_job_leaves_nothing() {
     let Claim { lease, job } = claim(&queue).await;
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::NotTerminal);
     let artifacts = vec![artifact("model.glb", "artifacts/x")];
-    queue.finish(&lease, Finished { artifacts, ..Finished::default() }).await.unwrap();
+    queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
     let last = queue.last_event_id().await.unwrap();
     let blobs = vec!["artifacts/x".to_string(), job.upload];
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::Deleted { blobs: blobs.clone() });

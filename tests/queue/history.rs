@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use uvsegnet::contract::ErrorCode;
-use uvsegnet::jobs::{Finished, JobState, Lease, Queue, QueueError, Tick, TickAnswer};
+use uvsegnet::jobs::{Handover, JobState, Lease, Queue, QueueError, Tick, TickAnswer};
 
 use super::{error, fresh, get, kinds, submit, warning, worker};
 
@@ -69,10 +69,10 @@ async fn any_history(steps: Vec<Step>) {
                         let tick = Tick { events: vec![warning()], ..Tick::default() };
                         queue.tick(&lease, tick).await.unwrap() == TickAnswer::LeaseLost
                     }
-                    Step::Finish(_) => is_late(queue.finish(&lease, Finished::default()).await),
-                    Step::Canceled(_) => is_late(queue.canceled(&lease, Finished::default()).await),
+                    Step::Finish(_) => is_late(queue.finish(&lease, Handover::default()).await),
+                    Step::Canceled(_) => is_late(queue.canceled(&lease, Handover::default()).await),
                     Step::Fail(_, code) => {
-                        is_late(queue.fail(&lease, error(code), Finished::default()).await)
+                        is_late(queue.fail(&lease, error(code), Handover::default()).await)
                     }
                     _ => is_late(queue.release(&lease, vec![]).await),
                 };

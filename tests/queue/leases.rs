@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use uvsegnet::contract::ErrorCode;
-use uvsegnet::jobs::{EventKind, Finished, JobState, Queue, QueueError, Tick, TickAnswer, Worker};
+use uvsegnet::jobs::{EventKind, Handover, JobState, Queue, QueueError, Tick, TickAnswer, Worker};
 
 use super::{claim, fresh, get, kinds, submit, worker};
 
@@ -33,7 +33,7 @@ async fn a_lapsed_lease_costs_an_attempt_and_the_last_one_the_job() {
     );
     for lease in leases {
         assert!(matches!(
-            queue.finish(&lease, Finished::default()).await,
+            queue.finish(&lease, Handover::default()).await,
             Err(QueueError::LeaseLost)
         ));
     }
@@ -52,7 +52,7 @@ async fn an_extended_lease_does_not_lapse() {
         assert_eq!(queue.sweep().await.unwrap().requeued, 0);
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
-    queue.finish(&lease, Finished::default()).await.unwrap();
+    queue.finish(&lease, Handover::default()).await.unwrap();
 }
 
 #[tokio::test]

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use serde_json::json;
 use uvsegnet::contract::{ErrorCode, Stage};
 use uvsegnet::jobs::{
-    CancelOutcome, Claim, EventKind, Finished, JobId, JobProgress, JobState, MetricsSummary,
+    CancelOutcome, Claim, EventKind, Handover, JobId, JobProgress, JobState, MetricsSummary,
     NewJob, Queue, QueueError, SqliteConfig, SqliteQueue, Tick, TickAnswer,
 };
 
@@ -52,16 +52,16 @@ async fn a_job_goes_its_way_to_success() {
     assert!(running.revision > job.revision);
 
     let metrics = MetricsSummary { valid: true, charts: 5, ..MetricsSummary::default() };
-    let finished = Finished {
+    let handover = Handover {
         events: vec![warning()],
         artifacts: vec![artifact("model.glb", "artifacts/b"), artifact("a.json", "artifacts/a")],
         metrics: Some(metrics.clone()),
         progress: None,
     };
-    queue.finish(&lease, finished.clone()).await.unwrap();
+    queue.finish(&lease, handover.clone()).await.unwrap();
     let over = get(&queue, id).await;
     assert_eq!((over.state, over.metrics, over.error), (JobState::Succeeded, Some(metrics), None));
-    assert_eq!(over.artifacts, finished.artifacts);
+    assert_eq!(over.artifacts, handover.artifacts);
     assert!(over.finished_at.unwrap() < over.expires_at.unwrap() && !over.expired);
     assert_eq!(
         kinds(&queue, id).await,
@@ -72,7 +72,7 @@ async fn a_job_goes_its_way_to_success() {
     assert_eq!(last[0].data["metrics"]["charts"], 5);
 
     // The lease is worth nothing any more.
-    assert!(matches!(queue.finish(&lease, finished).await, Err(QueueError::LeaseLost)));
+    assert!(matches!(queue.finish(&lease, handover).await, Err(QueueError::LeaseLost)));
     let late = Tick { events: vec![warning()], ..Tick::default() };
     assert_eq!(queue.tick(&lease, late).await.unwrap(), TickAnswer::LeaseLost);
     assert_eq!(get(&queue, id).await.last_seq, 3);
@@ -113,7 +113,7 @@ async fn each_job_is_claimed_once_and_every_event_is_seen() {
             while let Some(Claim { job, lease }) = queue.claim(&me).await.unwrap() {
                 let events = vec![warning(), warning()];
                 queue.tick(&lease, Tick { events, ..Tick::default() }).await.unwrap();
-                queue.finish(&lease, Finished::default()).await.unwrap();
+                queue.finish(&lease, Handover::default()).await.unwrap();
                 mine.push(job.id);
             }
             mine
@@ -144,9 +144,9 @@ async fn only_errors_of_the_machine_are_tried_again() {
     let (_folder, queue) = fresh(|_| {}).await;
     let id = submit(&queue).await;
     let lease = claim(&queue).await.lease;
-    let finished =
-        Finished { artifacts: vec![artifact("log.jsonl", "artifacts/log")], ..Finished::default() };
-    let state = queue.fail(&lease, error(ErrorCode::InvalidMesh), finished).await.unwrap();
+    let handover =
+        Handover { artifacts: vec![artifact("log.jsonl", "artifacts/log")], ..Handover::default() };
+    let state = queue.fail(&lease, error(ErrorCode::InvalidMesh), handover).await.unwrap();
     let job = get(&queue, id).await;
     assert_eq!((state, job.state, job.attempt), (JobState::Failed, JobState::Failed, 1));
     assert_eq!(job.error, Some(error(ErrorCode::InvalidMesh)));
@@ -156,7 +156,7 @@ async fn only_errors_of_the_machine_are_tried_again() {
     for expected in [JobState::Queued, JobState::Queued, JobState::Failed] {
         let lease = claim(&queue).await.lease;
         let lost = error(ErrorCode::DeviceLost);
-        assert_eq!(queue.fail(&lease, lost, Finished::default()).await.unwrap(), expected);
+        assert_eq!(queue.fail(&lease, lost, Handover::default()).await.unwrap(), expected);
     }
     assert_eq!(get(&queue, id).await.error, Some(error(ErrorCode::DeviceLost)));
 }
@@ -181,7 +181,7 @@ async fn cancel_meets_every_state() {
         assert!(matches!(outcome, CancelOutcome::Requested(job) if job.cancel_requested));
     }
     assert_eq!(queue.tick(&lease, Tick::default()).await.unwrap(), TickAnswer::Cancel);
-    queue.canceled(&lease, Finished::default()).await.unwrap();
+    queue.canceled(&lease, Handover::default()).await.unwrap();
     assert_eq!(get(&queue, running).await.state, JobState::Canceled);
 
     let crashed = submit(&queue).await;

@@ -14,8 +14,8 @@ use serde_json::json;
 use tempfile::TempDir;
 use uvsegnet::contract::{ErrorCode, JobError, MeshKind, UnwrapOptions};
 use uvsegnet::jobs::{
-    Artifact, Claim, EventKind, Job, JobId, NewEvent, NewJob, Queue, SqliteConfig, SqliteQueue,
-    Worker,
+    Claim, EventKind, Job, JobId, NewEvent, NewJob, Queue, SqliteConfig, SqliteQueue,
+    StoredArtifact, Worker,
 };
 
 const NOW: Duration = Duration::ZERO;
@@ -83,8 +83,8 @@ fn warning() -> NewEvent {
     NewEvent::now(EventKind::Warning, json!({"code": "x", "message": "y"}))
 }
 
-fn artifact(name: &str, blob: &str) -> Artifact {
-    Artifact {
+fn artifact(name: &str, blob: &str) -> StoredArtifact {
+    StoredArtifact {
         name: name.into(),
         media_type: "text/plain".into(),
         bytes: 3,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures::TryStreamExt;
-use uvsegnet::jobs::{BlobError, BlobFolder, Blobs, Claim, Finished, NewJob, Queue};
+use uvsegnet::jobs::{BlobError, BlobFolder, Blobs, Claim, Handover, NewJob, Queue};
 
 use super::{LIMIT, artifact, claim, fresh, get, new_job, submit};
 
@@ -17,7 +17,7 @@ async fn blobs_expire_and_the_row_stays() {
     let Claim { lease, job } = claim(&queue).await;
     assert_eq!(job.id, done);
     let artifacts = vec![artifact("model.glb", "artifacts/x")];
-    queue.finish(&lease, Finished { artifacts, ..Finished::default() }).await.unwrap();
+    queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
     assert!(get(&queue, done).await.expired);
     let gone: BTreeSet<_> = queue.expire().await.unwrap().into_iter().collect();
     assert_eq!(gone, BTreeSet::from(["artifacts/x".to_string(), job.upload.clone()]));

@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use super::transitions::{Again, Gone, Over, over, requeue, take_back};
 use super::{
-    Claim, Finished, JobState, Lease, NewEvent, QueueError, SqliteQueue, Tick, TickAnswer, Worker,
+    Claim, Handover, JobState, Lease, NewEvent, QueueError, SqliteQueue, Tick, TickAnswer, Worker,
     events, micros, now_us, rows,
 };
 use crate::contract::{ErrorCode, JobError};
@@ -100,13 +100,13 @@ pub async fn end(
     queue: &SqliteQueue,
     lease: &Lease,
     ending: Ending,
-    finished: Finished,
+    handover: Handover,
 ) -> Result<JobState, QueueError> {
     let mut tx = queue.begin().await?;
     let held = held(&mut tx, lease).await?;
-    write(&mut tx, lease, &finished.events, &finished.progress).await?;
+    write(&mut tx, lease, &handover.events, &handover.progress).await?;
     let end = match ending {
-        Ending::Succeeded => Over::Succeeded(finished.metrics, finished.artifacts),
+        Ending::Succeeded => Over::Succeeded(handover.metrics, handover.artifacts),
         Ending::Canceled => Over::Canceled,
         Ending::Failed(error) if is_transient(error.code) && held.cancel_requested => {
             tracing::info!(%error, "not tried again, for it is to be canceled");
@@ -117,7 +117,7 @@ pub async fn end(
             tx.commit().await?;
             return Ok(JobState::Queued);
         }
-        Ending::Failed(error) => Over::Failed(error, finished.artifacts),
+        Ending::Failed(error) => Over::Failed(error, handover.artifacts),
     };
     let state = end.state();
     over(&mut tx, &queue.config, lease.job, end).await?;

@@ -24,7 +24,7 @@ use sqlx::{Sqlite, Transaction};
 use crate::contract::JobError;
 
 use super::{
-    CancelOutcome, Changes, Claim, Deleted, Event, Finished, Job, JobId, JobState, Lease,
+    CancelOutcome, Changes, Claim, Deleted, Event, Handover, Job, JobId, JobState, Lease,
     ListFilter, NewEvent, NewJob, Page, Queue, QueueError, Stats, Swept, Tick, TickAnswer, Worker,
 };
 
@@ -194,21 +194,21 @@ impl Queue for SqliteQueue {
         leases::tick(self, lease, tick).await
     }
 
-    async fn finish(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
-        leases::end(self, lease, leases::Ending::Succeeded, finished).await.map(|_| ())
+    async fn finish(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError> {
+        leases::end(self, lease, leases::Ending::Succeeded, handover).await.map(|_| ())
     }
 
     async fn fail(
         &self,
         lease: &Lease,
         error: JobError,
-        finished: Finished,
+        handover: Handover,
     ) -> Result<JobState, QueueError> {
-        leases::end(self, lease, leases::Ending::Failed(error), finished).await
+        leases::end(self, lease, leases::Ending::Failed(error), handover).await
     }
 
-    async fn canceled(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
-        leases::end(self, lease, leases::Ending::Canceled, finished).await.map(|_| ())
+    async fn canceled(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError> {
+        leases::end(self, lease, leases::Ending::Canceled, handover).await.map(|_| ())
     }
 
     async fn release(&self, lease: &Lease, events: Vec<NewEvent>) -> Result<(), QueueError> {

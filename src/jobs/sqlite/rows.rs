@@ -11,7 +11,7 @@ use sqlx::{QueryBuilder, Row, Sqlite};
 
 use super::{Job, JobId, QueueError, now_us};
 use crate::contract::MeshKind;
-use crate::jobs::{Artifact, Versions};
+use crate::jobs::{StoredArtifact, Versions};
 
 /// What every read of jobs begins with.
 const SELECT: &str = "
@@ -49,7 +49,7 @@ pub async fn jobs(
     .bind(json(&ids)?)
     .fetch_all(connection)
     .await?;
-    let mut artifacts: BTreeMap<JobId, Vec<Artifact>> = BTreeMap::new();
+    let mut artifacts: BTreeMap<JobId, Vec<StoredArtifact>> = BTreeMap::new();
     for row in &rows {
         artifacts.entry(read(row, "job_id")?).or_default().push(artifact_of(row)?);
     }
@@ -91,8 +91,8 @@ fn job_of(row: &SqliteRow) -> Result<Job, QueueError> {
     })
 }
 
-fn artifact_of(row: &SqliteRow) -> Result<Artifact, QueueError> {
-    Ok(Artifact {
+fn artifact_of(row: &SqliteRow) -> Result<StoredArtifact, QueueError> {
+    Ok(StoredArtifact {
         name: row.try_get("name")?,
         media_type: row.try_get("media_type")?,
         bytes: row.try_get::<i64, _>("bytes")?.unsigned_abs(),

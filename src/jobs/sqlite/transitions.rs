@@ -8,12 +8,12 @@ use sqlx::sqlite::SqliteConnection;
 use super::rows::{self, read};
 use super::{JobId, JobState, NewEvent, QueueError, SqliteConfig, Swept, events, micros, now_us};
 use crate::contract::{ErrorCode, JobError};
-use crate::jobs::{Artifact, EventKind, MetricsSummary};
+use crate::jobs::{EventKind, MetricsSummary, StoredArtifact};
 
 /// How a job is over.
 pub enum Over {
-    Succeeded(Option<MetricsSummary>, Vec<Artifact>),
-    Failed(JobError, Vec<Artifact>),
+    Succeeded(Option<MetricsSummary>, Vec<StoredArtifact>),
+    Failed(JobError, Vec<StoredArtifact>),
     Canceled,
 }
 
@@ -78,7 +78,7 @@ pub async fn over(
 async fn store(
     connection: &mut SqliteConnection,
     id: JobId,
-    artifact: &Artifact,
+    artifact: &StoredArtifact,
     position: i64,
 ) -> Result<(), QueueError> {
     sqlx::query(
