@@ -10,7 +10,10 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uvsegnet::config::{DataDir, host_name};
-use uvsegnet::jobs::{JobId, JobState, Presence, Queue, SqliteConfig, SqliteQueue, Worker};
+use uvsegnet::contract::ErrorCode;
+use uvsegnet::jobs::{
+    EventData, JobId, JobState, Keep, LockFiles, Policy, Presence, SqliteQueue, Submit, Worker,
+};
 
 /// Everything that must happen happens within this, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -201,15 +204,15 @@ fn data_dir(folder: &TempDir) -> DataDir {
 
 /// The queue of a server, seen without it.
 async fn queue(folder: &TempDir) -> SqliteQueue {
-    let config = SqliteConfig::new(data_dir(folder).database());
-    SqliteQueue::open(config, Duration::ZERO).await.unwrap()
+    let file = data_dir(folder).database();
+    SqliteQueue::open(&file, Policy::default(), Duration::ZERO).await.unwrap()
 }
 
 /// Wait until none of these workers lives: not what any table says, but whether the kernel still
 /// holds their locks.
 async fn all_dead(folder: &TempDir, workers: &[Worker], within: Duration) {
-    let (locks, began) = (data_dir(folder).workers(), Instant::now());
-    while !workers.iter().all(|worker| Presence::is_dead(&locks, &worker.id)) {
+    let (locks, began) = (LockFiles::new(data_dir(folder).workers()), Instant::now());
+    while !workers.iter().all(|worker| locks.is_dead(&worker.id)) {
         assert!(began.elapsed() < within, "a worker is left behind");
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
@@ -329,7 +332,8 @@ async fn a_drained_server_hands_its_job_back_and_no_attempt_is_spent() {
     let job = queue.get(id_parsed).await.unwrap().unwrap();
     assert_eq!((job.state, job.attempt), (JobState::Queued, 0));
     let last = queue.events_after(id_parsed, job.last_seq - 1, 1).await.unwrap();
-    assert_eq!(last[0].data["code"], "draining");
+    let EventData::Retrying(retrying) = &last[0].data else { panic!("{last:?}") };
+    assert_eq!(retrying.code, ErrorCode::Draining);
 
     let server = Server::start(folder.path(), &[]);
     server.training(&id, 1).await;

@@ -14,7 +14,7 @@ use super::weights::Weights;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
-use crate::jobs::{Blobs, Housekeeping, Queue, SqliteConfig, SqliteQueue};
+use crate::jobs::{Blobs, Housekeeping, Keep, LockFiles, Policy, Queue, SqliteQueue};
 use crate::telemetry;
 use crate::worker::Supervisor;
 
@@ -95,9 +95,8 @@ impl Service {
         }
         let database = args.data.database();
         SqliteQueue::migrate(&database).await?;
-        let config =
-            SqliteConfig { retention: args.times.retention(), ..SqliteConfig::new(database) };
-        let sqlite = SqliteQueue::open(config, PATIENCE).await?;
+        let policy = Policy { retention: args.times.retention(), ..Policy::default() };
+        let sqlite = SqliteQueue::open(&database, policy, PATIENCE).await?;
         let changes = sqlite.changes();
         let queue: Arc<dyn Queue> = Arc::new(sqlite);
         let blobs = Blobs::local(&args.data.blobs())?;
@@ -111,7 +110,7 @@ impl Service {
         let housekeeping = Housekeeping {
             queue: queue.clone(),
             blobs: blobs.clone(),
-            presence: args.data.workers(),
+            presence: Arc::new(LockFiles::new(args.data.workers())),
             host: host_name(),
         };
         let state = AppState {
@@ -159,7 +158,7 @@ impl Service {
     }
 }
 
-fn supervisor(args: &Args, queue: Arc<dyn Queue>) -> Result<Supervisor> {
+fn supervisor(args: &Args, queue: Arc<dyn Keep>) -> Result<Supervisor> {
     let mut flags = args.data.to_flags();
     flags.extend(["--device".into(), args.device.to_string().into()]);
     flags.extend(args.weights.flags());

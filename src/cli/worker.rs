@@ -11,7 +11,7 @@ use uuid::Uuid;
 use super::weights::Weights;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
-use crate::jobs::{Blobs, SqliteConfig, SqliteQueue};
+use crate::jobs::{Blobs, LockFiles, Policy, SqliteQueue};
 use crate::worker::{EXIT_RENEW, WorkerSettings, watch_parent};
 use crate::{telemetry, worker};
 
@@ -64,15 +64,15 @@ async fn work(args: Args) -> Result<bool> {
     }
     super::signals::cancel_on_signal(drain.clone(), args.supervised)?;
     let database = args.data.database();
-    let config = SqliteConfig { retention: args.times.retention(), ..SqliteConfig::new(database) };
-    let queue = SqliteQueue::open(config, PATIENCE).await?;
+    let policy = Policy { retention: args.times.retention(), ..Policy::default() };
+    let queue = SqliteQueue::open(&database, policy, PATIENCE).await?;
     let settings = WorkerSettings {
         id: args.id.unwrap_or_else(|| format!("w-{}", Uuid::now_v7().simple())),
         host: host_name(),
         changes: queue.changes(),
         queue: Arc::new(queue),
         blobs: Blobs::local(&args.data.blobs())?,
-        presence: args.data.workers(),
+        presence: Arc::new(LockFiles::new(args.data.workers())),
         device: args.device,
         limits: args.limits.limits(),
         drain,

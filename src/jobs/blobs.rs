@@ -15,7 +15,7 @@ use object_store::{GetOptions, GetRange, MultipartUpload, ObjectStore, ObjectSto
 use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
-use super::{Queue, QueueError};
+use super::{Keep, QueueError};
 
 /// Bytes gathered before a part is written: the least that S3 takes.
 const PART: usize = 5 << 20;
@@ -166,7 +166,7 @@ impl Blobs {
     /// take from the end of an upload to the commit of its row.
     pub async fn sweep_orphans(
         &self,
-        queue: &dyn Queue,
+        queue: &dyn Keep,
         grace: Duration,
     ) -> Result<u64, OrphanError> {
         let now = SystemTime::now();

@@ -10,14 +10,14 @@ use tokio::sync::oneshot;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
 use tokio_util::sync::CancellationToken;
 
-use super::pipeline_thread::{Outcome, Work, start};
+use super::pipeline_thread::{Call, Outcome, start};
 use super::reporter::Reporter;
 use super::results::{discard, store_all};
 use crate::contract::{Budget, Cancel, ErrorCode, JobError, Limits, Run};
 use crate::device::Device;
 use crate::jobs::{
-    Blobs, Changes, Claim, Handover, Job, JobState, Lease, MetricsSummary, NewEvent, Queue,
-    QueueError, StoredArtifact, Tick, TickAnswer,
+    Blobs, Changes, Claim, Handover, Job, JobState, Lease, MetricsSummary, NewEvent, QueueError,
+    StoredArtifact, Tick, TickAnswer, Work,
 };
 use crate::pipeline::Unwrapped;
 use crate::telemetry::JobLog;
@@ -34,7 +34,7 @@ const BUDGET_SHARE: f64 = 0.9;
 /// What every attempt of a worker is given.
 pub struct Context {
     /// The queue.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Work>,
     /// The blobs.
     pub blobs: Blobs,
     /// Tells when somebody may have asked for the job to stop.
@@ -124,7 +124,7 @@ impl Attempt<'_> {
             self.cancel.clone(),
             Budget::new(wall, job.options.budget_mib),
         );
-        start(Work {
+        start(Call {
             mesh,
             kind: job.kind,
             labels,
@@ -293,6 +293,9 @@ impl Attempt<'_> {
         let artifacts = store_all(&self.context.blobs, [log()]).await.unwrap_or_default();
         let handover = Handover { events, artifacts: artifacts.clone(), ..handover };
         let state = self.context.queue.fail(&self.lease, error, handover).await;
+        if matches!(state, Ok(JobState::Canceled)) {
+            tracing::info!(job = %self.lease.job, "not tried again, for it is to be canceled");
+        }
         if !matches!(state, Ok(JobState::Failed)) {
             discard(&self.context.blobs, &artifacts).await;
         }

@@ -15,7 +15,7 @@ use crate::pipeline::{Input, Unwrapped, unwrap_input};
 const STACK: usize = 64 << 20;
 
 /// One call of the pipeline.
-pub struct Work {
+pub struct Call {
     /// The mesh.
     pub mesh: Bytes,
     /// What kind of mesh that is.
@@ -45,11 +45,11 @@ pub enum Outcome {
 }
 
 /// Begin the call. The thread is left to itself if nobody waits for the answer.
-pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
+pub fn start(call: Call) -> io::Result<oneshot::Receiver<Outcome>> {
     let (answer, outcome) = oneshot::channel();
     let thread = std::thread::Builder::new().name("pipeline".into()).stack_size(STACK);
     thread.spawn(move || {
-        let ended = catch_unwind(AssertUnwindSafe(|| call(&work)));
+        let ended = catch_unwind(AssertUnwindSafe(|| unwrap(&call)));
         let ended = ended.unwrap_or_else(|panic| Outcome::Panicked(message_of(&*panic)));
         // Nobody waits any more: the attempt was given up.
         let _ = answer.send(ended);
@@ -57,9 +57,9 @@ pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
     Ok(outcome)
 }
 
-fn call(work: &Work) -> Outcome {
-    let input = Input { bytes: &work.mesh, kind: work.kind, labels: work.labels.as_deref() };
-    match unwrap_input(&input, &work.options, &work.limits, &work.device, &work.run) {
+fn unwrap(call: &Call) -> Outcome {
+    let input = Input { bytes: &call.mesh, kind: call.kind, labels: call.labels.as_deref() };
+    match unwrap_input(&input, &call.options, &call.limits, &call.device, &call.run) {
         Ok(unwrapped) => Outcome::Done(Box::new(unwrapped)),
         Err(error) => match error.job_error() {
             Some(error) => Outcome::Failed(error),

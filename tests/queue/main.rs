@@ -1,39 +1,22 @@
-//! What every queue promises, checked on SQLite in a temporary file: order, leases, attempts,
-//! events, retention, and the blobs that rows name.
+//! What every queue promises, checked on every store: order, leases, attempts, events, retention,
+//! and the blobs that rows name. What is about SQLite alone stands in `sqlite`.
 
 mod clients;
 mod history;
 mod leases;
 mod lifecycle;
+mod sqlite;
 mod storage;
-
-use std::time::Duration;
+mod stores;
 
 use jiff::Timestamp;
-use serde_json::json;
-use tempfile::TempDir;
 use uvsegnet::contract::{ErrorCode, JobError, MeshKind, UnwrapOptions};
 use uvsegnet::jobs::{
-    Claim, EventKind, Job, JobId, NewEvent, NewJob, Queue, SqliteConfig, SqliteQueue,
-    StoredArtifact, Worker,
+    Claim, EventData, EventKind, Job, JobId, NewEvent, NewJob, Queue, StoredArtifact, WarningEvent,
+    Worker,
 };
 
-const NOW: Duration = Duration::ZERO;
 const LIMIT: u64 = 1000;
-
-/// A fresh queue and the directory that it lies in.
-async fn fresh(change: impl FnOnce(&mut SqliteConfig)) -> (TempDir, SqliteQueue) {
-    let folder = tempfile::tempdir().unwrap();
-    SqliteQueue::migrate(&file(&folder)).await.unwrap();
-    let mut config = SqliteConfig::new(file(&folder));
-    change(&mut config);
-    let queue = SqliteQueue::open(config, NOW).await.unwrap();
-    (folder, queue)
-}
-
-fn file(folder: &TempDir) -> std::path::PathBuf {
-    folder.path().join("queue.db")
-}
 
 fn new_job() -> NewJob {
     let id = JobId::new();
@@ -76,11 +59,11 @@ async fn kinds(queue: &dyn Queue, id: JobId) -> Vec<EventKind> {
     let events = queue.events_after(id, 0, 1000).await.unwrap();
     let seqs: Vec<u64> = events.iter().map(|event| event.seq).collect();
     assert_eq!(seqs, (1..=seqs.len() as u64).collect::<Vec<_>>(), "no gap and no repetition");
-    events.iter().map(|event| event.kind).collect()
+    events.iter().map(|event| event.kind()).collect()
 }
 
 fn warning() -> NewEvent {
-    NewEvent::now(EventKind::Warning, json!({"code": "x", "message": "y"}))
+    NewEvent::now(EventData::Warning(WarningEvent { code: "x".into(), message: "y".into() }))
 }
 
 fn artifact(name: &str, blob: &str) -> StoredArtifact {

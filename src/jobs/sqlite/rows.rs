@@ -9,8 +9,9 @@ use serde::de::DeserializeOwned;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row, Sqlite};
 
-use super::{Job, JobId, QueueError, now_us};
+use super::{Job, JobId, NewJob, QueueError, now};
 use crate::contract::MeshKind;
+use crate::jobs::states::{Held, Standing};
 use crate::jobs::{StoredArtifact, Versions};
 
 /// What every read of jobs begins with.
@@ -59,36 +60,62 @@ pub async fn jobs(
     Ok(jobs)
 }
 
-fn job_of(row: &SqliteRow) -> Result<Job, QueueError> {
-    let expires_at = time(row.try_get("expires_at")?);
-    let over = row.try_get::<i64, _>("expires_at")?;
-    Ok(Job {
-        id: read(row, "id")?,
+/// How a job stands.
+pub async fn standing(
+    connection: &mut SqliteConnection,
+    id: JobId,
+) -> Result<Option<Standing>, QueueError> {
+    let row = sqlx::query("SELECT * FROM jobs WHERE id = ?").bind(id.to_string());
+    row.fetch_optional(connection).await?.as_ref().map(standing_of).transpose()
+}
+
+/// How the job of a row stands.
+pub fn standing_of(row: &SqliteRow) -> Result<Standing, QueueError> {
+    let held = match word(row, "lease")? {
+        Some(token) => Some(Held {
+            worker: row.try_get("worker")?,
+            token,
+            until: time(row.try_get("lease_until")?).unwrap_or_default(),
+        }),
+        None => None,
+    };
+    Ok(Standing {
         state: read(row, "state")?,
-        tag: row.try_get("tag")?,
-        priority: row.try_get("priority")?,
         attempt: row.try_get("attempt")?,
         max_attempts: row.try_get("max_attempts")?,
-        queue_position: row.try_get::<i64, _>("queue_position")?.unsigned_abs(),
         cancel_requested: row.try_get("cancel_requested")?,
+        held,
         progress: from_json(row, "progress")?,
-        options: from_json(row, "options")?,
         versions: Versions { engine: row.try_get("engine")?, weights: word(row, "weights")? },
         device: word(row, "device")?,
         metrics: from_json(row, "metrics")?,
         error: from_json(row, "error")?,
-        artifacts: Vec::new(),
-        kind: mesh_kind(row)?,
-        upload: row.try_get("upload")?,
-        labels: word(row, "labels")?,
         created_at: time(row.try_get("created_at")?).unwrap_or_default(),
         started_at: time(row.try_get("started_at")?),
         finished_at: time(row.try_get("finished_at")?),
-        expires_at,
-        expired: row.try_get::<bool, _>("expired")? || (over > 0 && over <= now_us()),
+        expires_at: time(row.try_get("expires_at")?),
+        expired: row.try_get("expired")?,
         last_seq: row.try_get::<i64, _>("last_seq")?.unsigned_abs(),
         revision: row.try_get::<i64, _>("revision")?.unsigned_abs(),
     })
+}
+
+/// What its client gave.
+fn given(row: &SqliteRow) -> Result<NewJob, QueueError> {
+    Ok(NewJob {
+        id: read(row, "id")?,
+        kind: mesh_kind(row)?,
+        upload: row.try_get("upload")?,
+        labels: word(row, "labels")?,
+        options: from_json(row, "options")?,
+        tag: row.try_get("tag")?,
+        priority: row.try_get("priority")?,
+    })
+}
+
+fn job_of(row: &SqliteRow) -> Result<Job, QueueError> {
+    let queue_position = row.try_get::<i64, _>("queue_position")?.unsigned_abs();
+    Ok(standing_of(row)?.job(given(row)?, Vec::new(), queue_position, now()))
 }
 
 fn artifact_of(row: &SqliteRow) -> Result<StoredArtifact, QueueError> {
