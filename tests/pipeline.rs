@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use uvsegnet::contract::{
-    ChartForm, DoubleSided, ErrorCode, Limits, MeshKind, Quality, Rotation, Run,
+    ChartForm, DoubleSided, ErrorCode, InputRole, Limits, MeshKind, Quality, Rotation, Run,
     SegmentationSource, StopAfter, UnwrapOptions,
 };
 use uvsegnet::device::Device;
-use uvsegnet::pipeline::{Input, UnwrapError, Unwrapped, unwrap_input};
+use uvsegnet::pipeline::{Input, InputFile, UnwrapError, Unwrapped, unwrap_input};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
@@ -21,7 +21,8 @@ fn unwrap(
     options: &UnwrapOptions,
 ) -> Result<Unwrapped, UnwrapError> {
     let kind = MeshKind::detect(bytes).unwrap();
-    let input = Input { bytes, kind, labels };
+    let labels = labels.map(|bytes| InputFile { role: InputRole::Labels, name: "", bytes });
+    let input = Input::new(kind, bytes).with(labels);
     unwrap_input(&input, options, &Limits::default(), &Device::cpu(), &Run::quiet())
 }
 

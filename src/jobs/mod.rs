@@ -14,6 +14,7 @@ mod changes;
 mod event;
 mod event_data;
 mod housekeeping;
+mod input;
 mod job;
 mod keep;
 mod memory;
@@ -34,6 +35,7 @@ pub use event_data::{
     SucceededEvent, WarningEvent,
 };
 pub use housekeeping::Housekeeping;
+pub use input::{Inputs, StoredInput};
 pub use job::{Job, JobId, JobIdError, JobProgress, JobState, NewJob, StoredArtifact, Versions};
 pub use keep::{Keep, Swept};
 pub use memory::MemoryQueue;

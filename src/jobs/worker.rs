@@ -25,6 +25,11 @@ pub struct Worker {
     pub device: String,
     /// Version of the program it runs.
     pub engine: String,
+    /// `sha256:…` of its segmentation weights; null where it has none or does not tell.
+    #[schema(required)]
+    pub weights: Option<String>,
+    /// Threads that its pipeline computes with; 0 where it does not tell.
+    pub threads: u32,
     /// Whether it takes no more jobs.
     pub draining: bool,
     /// When it was last seen alive.

@@ -8,6 +8,7 @@ mod error;
 mod extras;
 mod faces;
 mod finish;
+mod input;
 mod joint;
 mod maps;
 mod neural;
@@ -19,24 +20,14 @@ mod sheets;
 mod weights;
 
 pub use error::UnwrapError;
+pub use input::{Input, InputFile};
 pub use result::{Artifact, Unwrapped};
 
-use crate::contract::{Limits, MeshKind, Run, Stage, StopAfter, UnwrapOptions};
+use crate::contract::{Limits, Run, Stage, StopAfter, UnwrapOptions};
 use crate::device::Device;
 use crate::mesh::{self, Scene};
 use clock::Clock;
 use finish::Finished;
-
-/// A mesh as it was uploaded.
-#[derive(Debug, Clone, Copy)]
-pub struct Input<'a> {
-    /// The file.
-    pub bytes: &'a [u8],
-    /// What kind of file.
-    pub kind: MeshKind,
-    /// Part labels given beside it: one integer a line, line i for face i, −1 unknown.
-    pub labels: Option<&'a [u8]>,
-}
 
 /// Import and unwrap.
 pub fn unwrap_input(
@@ -68,8 +59,8 @@ fn import(
     clock: &mut Clock,
 ) -> Result<Scene, UnwrapError> {
     clock.stage(Stage::Import, run)?;
-    let mut scene = mesh::import(input.bytes, input.kind, limits)?;
-    if let Some(labels) = input.labels {
+    let mut scene = mesh::import(input.mesh(), input.kind(), limits)?;
+    if let Some(labels) = input.labels() {
         let labels = mesh::import::parse_labels(labels, scene.face_count());
         scene.labels = Some(labels.map_err(UnwrapError::Labels)?);
     }

@@ -10,10 +10,10 @@ use tokio::sync::oneshot;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
 use tokio_util::sync::CancellationToken;
 
-use super::pipeline_thread::{Call, Outcome, start};
+use super::pipeline_thread::{Beside, Call, Outcome, start};
 use super::reporter::Reporter;
 use super::results::{discard, store_all};
-use crate::contract::{Budget, Cancel, ErrorCode, JobError, Limits, Run};
+use crate::contract::{Budget, Cancel, ErrorCode, InputRole, JobError, Limits, Run};
 use crate::device::Device;
 use crate::jobs::{
     Blobs, Changes, Claim, Handover, Job, JobState, Lease, MetricsSummary, NewEvent, QueueError,
@@ -111,11 +111,16 @@ struct Attempt<'a> {
 impl Attempt<'_> {
     /// Fetch the input and begin the pipeline.
     async fn start(&self, job: &Job) -> Result<oneshot::Receiver<Outcome>, JobError> {
-        let mesh = self.fetch(&job.upload).await?;
-        let labels = match &job.labels {
-            Some(labels) => Some(self.fetch(labels).await?),
-            None => None,
-        };
+        let (mut mesh, mut beside) = (None, Vec::new());
+        for input in job.inputs.iter() {
+            let bytes = self.fetch(&input.blob).await?;
+            match input.kind {
+                Some(kind) if input.role == InputRole::Mesh => mesh = Some((kind, bytes)),
+                _ => beside.push(Beside { role: input.role, name: input.name.clone(), bytes }),
+            }
+        }
+        let no_mesh = || JobError::new(ErrorCode::Internal, "the job has no mesh of a known kind");
+        let (kind, mesh) = mesh.ok_or_else(no_mesh)?;
         let limits = &self.context.limits;
         let wall = job.options.budget_s.min(limits.job_seconds as f64 * BUDGET_SHARE);
         let reporter = self.reporter.clone();
@@ -126,8 +131,8 @@ impl Attempt<'_> {
         );
         start(Call {
             mesh,
-            kind: job.kind,
-            labels,
+            kind,
+            beside,
             options: job.options.clone(),
             limits: limits.clone(),
             device: self.context.device.clone(),

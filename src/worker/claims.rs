@@ -54,6 +54,9 @@ pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
         host: settings.host,
         device: device.name(),
         engine: env!("CARGO_PKG_VERSION").into(),
+        // The pipeline does not tell yet which weights it was given.
+        weights: None,
+        threads: u32::try_from(rayon::current_num_threads()).unwrap_or(u32::MAX),
         draining: false,
         last_seen: Timestamp::now(),
     };

@@ -7,9 +7,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bytes::Bytes;
 use tokio::sync::oneshot;
 
-use crate::contract::{JobError, Limits, MeshKind, Run, UnwrapOptions};
+use crate::contract::{InputRole, JobError, Limits, MeshKind, Run, UnwrapOptions};
 use crate::device::Device;
-use crate::pipeline::{Input, Unwrapped, unwrap_input};
+use crate::pipeline::{Input, InputFile, Unwrapped, unwrap_input};
 
 /// Bytes of stack: walks over large meshes may recurse.
 const STACK: usize = 64 << 20;
@@ -20,8 +20,8 @@ pub struct Call {
     pub mesh: Bytes,
     /// What kind of mesh that is.
     pub kind: MeshKind,
-    /// The part labels.
-    pub labels: Option<Bytes>,
+    /// What stands beside it.
+    pub beside: Vec<Beside>,
     /// What to do.
     pub options: UnwrapOptions,
     /// What is accepted.
@@ -30,6 +30,16 @@ pub struct Call {
     pub device: Device,
     /// Whom to tell, and when to stop.
     pub run: Run,
+}
+
+/// A file beside the mesh.
+pub struct Beside {
+    /// What it is for.
+    pub role: InputRole,
+    /// Its name, as the client gave it.
+    pub name: String,
+    /// The file.
+    pub bytes: Bytes,
 }
 
 /// How the call ended.
@@ -58,7 +68,12 @@ pub fn start(call: Call) -> io::Result<oneshot::Receiver<Outcome>> {
 }
 
 fn unwrap(call: &Call) -> Outcome {
-    let input = Input { bytes: &call.mesh, kind: call.kind, labels: call.labels.as_deref() };
+    let beside = call.beside.iter().map(|Beside { role, name, bytes }| InputFile {
+        role: *role,
+        name,
+        bytes,
+    });
+    let input = Input::new(call.kind, &call.mesh).with(beside);
     match unwrap_input(&input, &call.options, &call.limits, &call.device, &call.run) {
         Ok(unwrapped) => Outcome::Done(Box::new(unwrapped)),
         Err(error) => match error.job_error() {

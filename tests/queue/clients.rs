@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use uvsegnet::jobs::{Claim, Deleted, Handover, JobState, ListFilter, NewJob, QueueError};
 
 use super::stores::{Store, on_every_store};
-use super::{LIMIT, artifact, claim, new_job, submit};
+use super::{LIMIT, artifact, claim, mesh, new_job, submit};
 
 on_every_store!(
     pages_are_stable_while_jobs_come,
@@ -55,7 +55,7 @@ async fn a_deleted_job_leaves_nothing(store: Store) {
     let artifacts = vec![artifact("model.glb", "artifacts/x")];
     queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
     let last = queue.last_event_id().await.unwrap();
-    let blobs = vec!["artifacts/x".to_string(), job.upload];
+    let blobs = vec!["artifacts/x".to_string(), mesh(&job)];
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::Deleted { blobs: blobs.clone() });
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::NotFound);
     assert!(queue.get(id).await.unwrap().is_none());

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use jiff::Timestamp;
 use serde_json::json;
-use uvsegnet::contract::{ErrorCode, Stage};
+use uvsegnet::contract::{ErrorCode, InputRole, Stage};
 use uvsegnet::jobs::{
     CancelOutcome, Claim, EventKind, Handover, JobId, JobProgress, JobState, MetricsSummary,
     NewJob, QueueError, Tick, TickAnswer,
 };
 
 use super::stores::{Store, on_every_store};
-use super::{LIMIT, artifact, claim, error, get, kinds, new_job, submit, warning, worker};
+use super::{LIMIT, artifact, claim, error, get, input, kinds, new_job, submit, warning, worker};
 
 on_every_store!(
     a_job_is_stored_as_it_was_given,
@@ -24,12 +24,18 @@ on_every_store!(
 
 async fn a_job_is_stored_as_it_was_given(store: Store) {
     let queue = store.fresh().await;
-    let given = NewJob { labels: Some("uploads/l".into()), tag: "t".into(), ..new_job() };
+    // The order in which files come does not matter.
+    let inputs = [input(InputRole::Labels, "uploads/l"), input(InputRole::Mesh, "uploads/m")];
+    let inputs = inputs.into_iter().collect();
+    let given = NewJob { inputs, tag: "t".into(), ..new_job() };
     let stored = queue.submit(given.clone(), LIMIT).await.unwrap();
     assert_eq!(stored, get(&*queue, given.id).await);
     assert_eq!((stored.state, stored.attempt, stored.max_attempts), (JobState::Queued, 0, 3));
-    assert_eq!((stored.kind, &stored.options), (given.kind, &given.options));
-    assert_eq!((stored.upload, stored.labels, stored.tag), (given.upload, given.labels, given.tag));
+    assert_eq!((&stored.options, &stored.tag), (&given.options, &given.tag));
+    assert_eq!(stored.inputs, given.inputs);
+    let roles: Vec<_> = stored.inputs.iter().map(|input| input.role).collect();
+    assert_eq!(roles, [InputRole::Mesh, InputRole::Labels]);
+    assert_eq!(stored.inputs.labels(), Some(&input(InputRole::Labels, "uploads/l")));
     assert!(stored.created_at <= Timestamp::now() && stored.started_at.is_none());
     assert!(queue.get(JobId::new()).await.unwrap().is_none());
 }
@@ -40,6 +46,7 @@ async fn a_job_goes_its_way_to_success(store: Store) {
     let Claim { job, lease } = claim(&*queue).await;
     assert_eq!((job.id, job.state, job.attempt), (id, JobState::Running, 1));
     assert_eq!((job.versions.engine.as_str(), job.device.as_deref()), ("1.2.3", Some("cpu")));
+    assert_eq!(job.versions.weights.as_deref(), Some("sha256:ab"), "those of the worker");
     assert!(job.started_at.is_some());
     assert!(queue.claim(&worker("other")).await.unwrap().is_none());
 

@@ -1,5 +1,6 @@
 //! What every queue promises, checked on every store: order, leases, attempts, events, retention,
-//! and the blobs that rows name. What is about SQLite alone stands in `sqlite`.
+//! and the blobs that rows name. What is about SQLite alone stands in `sqlite` and
+//! `upgrade`.
 
 mod clients;
 mod history;
@@ -8,12 +9,13 @@ mod lifecycle;
 mod sqlite;
 mod storage;
 mod stores;
+mod upgrade;
 
 use jiff::Timestamp;
-use uvsegnet::contract::{ErrorCode, JobError, MeshKind, UnwrapOptions};
+use uvsegnet::contract::{ErrorCode, InputRole, JobError, MeshKind, UnwrapOptions};
 use uvsegnet::jobs::{
-    Claim, EventData, EventKind, Job, JobId, NewEvent, NewJob, Queue, StoredArtifact, WarningEvent,
-    Worker,
+    Claim, EventData, EventKind, Job, JobId, NewEvent, NewJob, Queue, StoredArtifact, StoredInput,
+    WarningEvent, Worker,
 };
 
 const LIMIT: u64 = 1000;
@@ -22,12 +24,21 @@ fn new_job() -> NewJob {
     let id = JobId::new();
     NewJob {
         id,
-        kind: MeshKind::Glb,
-        upload: format!("uploads/{id}"),
-        labels: None,
+        inputs: [input(InputRole::Mesh, &format!("uploads/{id}"))].into_iter().collect(),
         options: UnwrapOptions { steps: 7, ..UnwrapOptions::default() },
         tag: String::new(),
         priority: 0,
+    }
+}
+
+fn input(role: InputRole, blob: &str) -> StoredInput {
+    StoredInput {
+        role,
+        name: format!("{}.obj", role.as_str()),
+        kind: (role == InputRole::Mesh).then_some(MeshKind::Obj),
+        sha256: "cd".repeat(32),
+        bytes: 7,
+        blob: blob.into(),
     }
 }
 
@@ -38,6 +49,8 @@ fn worker(id: &str) -> Worker {
         host: "here".into(),
         device: "cpu".into(),
         engine: "1.2.3".into(),
+        weights: Some("sha256:ab".into()),
+        threads: 2,
         draining: false,
         last_seen: Timestamp::now(),
     }
@@ -53,6 +66,11 @@ async fn claim(queue: &dyn Queue) -> Claim {
 
 async fn get(queue: &dyn Queue, id: JobId) -> Job {
     queue.get(id).await.unwrap().expect("the job is there")
+}
+
+/// The blob of a job's mesh.
+fn mesh(job: &Job) -> String {
+    job.inputs.mesh().expect("every job has a mesh").blob.clone()
 }
 
 async fn kinds(queue: &dyn Queue, id: JobId) -> Vec<EventKind> {

@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures::TryStreamExt;
+use uvsegnet::contract::InputRole;
 use uvsegnet::jobs::{BlobError, BlobFolder, Blobs, Claim, Handover, NewJob};
 
 use super::stores::{Store, on_every_store};
-use super::{LIMIT, artifact, claim, get, new_job, submit};
+use super::{LIMIT, artifact, claim, get, input, mesh, new_job, submit};
 
 on_every_store!(blobs_expire_and_the_row_stays, what_no_row_names_is_swept,);
 
@@ -22,12 +23,12 @@ async fn blobs_expire_and_the_row_stays(store: Store) {
     queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
     assert!(get(&*queue, done).await.expired);
     let gone: BTreeSet<_> = queue.expire().await.unwrap().into_iter().collect();
-    assert_eq!(gone, BTreeSet::from(["artifacts/x".to_string(), job.upload.clone()]));
+    assert_eq!(gone, BTreeSet::from(["artifacts/x".to_string(), mesh(&job)]));
     assert!(queue.expire().await.unwrap().is_empty());
     let over = get(&*queue, done).await;
     assert!(over.expired && over.artifacts.len() == 1);
-    let kept = get(&*queue, waiting).await.upload;
-    let names = [job.upload, kept.clone()];
+    let kept = mesh(&get(&*queue, waiting).await);
+    let names = [mesh(&job), kept.clone()];
     assert_eq!(queue.named(&names).await.unwrap(), BTreeSet::from([kept]));
 }
 
@@ -83,7 +84,8 @@ async fn what_no_row_names_is_swept(store: Store) {
     let root = folder.path().join("blobs");
     let blobs = Blobs::local(&root).unwrap();
     let kept = blobs.put(BlobFolder::Uploads, Bytes::from_static(b"kept")).await.unwrap();
-    queue.submit(NewJob { upload: kept.name.clone(), ..new_job() }, LIMIT).await.unwrap();
+    let inputs = [input(InputRole::Mesh, &kept.name)].into_iter().collect();
+    queue.submit(NewJob { inputs, ..new_job() }, LIMIT).await.unwrap();
     let orphan = blobs.put(BlobFolder::Artifacts, Bytes::from_static(b"orphan")).await.unwrap();
     std::fs::write(root.join("uploads/left-by-a-dead-writer#1"), b"half").unwrap();
 

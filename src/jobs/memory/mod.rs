@@ -82,8 +82,8 @@ impl MemoryQueue {
 impl Store {
     /// A new job and the blobs that it names.
     fn insert(&mut self, given: NewJob, standing: Standing) {
-        for blob in std::iter::once(&given.upload).chain(&given.labels) {
-            self.blobs.insert(blob.clone(), given.id);
+        for blob in given.inputs.blobs() {
+            self.blobs.insert(blob.to_owned(), given.id);
         }
         self.changed = true;
         self.jobs.insert(given.id, Row { given, standing, artifacts: Vec::new() });

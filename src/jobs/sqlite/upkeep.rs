@@ -11,8 +11,8 @@ use crate::jobs::worker::{WORKER_ALIVE, WORKER_FORGOTTEN};
 
 pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueError> {
     sqlx::query(
-        "INSERT INTO workers (id, pid, host, device, engine, draining, last_seen)
-         VALUES (?, ?, ?, ?, ?, ?, ?)
+        "INSERT INTO workers (id, pid, host, device, engine, weights, threads, draining, last_seen)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
          ON CONFLICT (id) DO UPDATE SET draining = excluded.draining,
              last_seen = excluded.last_seen",
     )
@@ -21,6 +21,8 @@ pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueE
     .bind(&worker.host)
     .bind(&worker.device)
     .bind(&worker.engine)
+    .bind(worker.weights.as_deref().unwrap_or_default())
+    .bind(worker.threads)
     .bind(worker.draining)
     .bind(now().as_microsecond())
     .execute(&queue.writer)
@@ -118,6 +120,8 @@ fn worker_of(row: &SqliteRow) -> Result<Worker, QueueError> {
         host: row.try_get("host")?,
         device: row.try_get("device")?,
         engine: row.try_get("engine")?,
+        weights: rows::word(row, "weights")?,
+        threads: row.try_get("threads")?,
         draining: row.try_get("draining")?,
         last_seen: rows::time(row.try_get("last_seen")?).unwrap_or_default(),
     })

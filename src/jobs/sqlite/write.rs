@@ -5,8 +5,8 @@ use sqlx::QueryBuilder;
 use sqlx::sqlite::SqliteConnection;
 
 use super::{JobId, NewJob, QueueError, events, rows, since_epoch};
-use crate::jobs::StoredArtifact;
 use crate::jobs::states::{Change, Standing};
+use crate::jobs::{StoredArtifact, StoredInput};
 
 /// A new job and the blobs that it names.
 pub async fn insert(
@@ -14,28 +14,46 @@ pub async fn insert(
     job: &NewJob,
     standing: &Standing,
 ) -> Result<(), QueueError> {
-    let kind = rows::json(&job.kind)?;
     sqlx::query(
-        "INSERT INTO jobs (id, state, priority, tag, kind, upload, labels, options, max_attempts,
-                           created_at)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "INSERT INTO jobs (id, state, priority, tag, options, max_attempts, created_at)
+         VALUES (?, ?, ?, ?, ?, ?, ?)",
     )
     .bind(job.id.to_string())
     .bind(standing.state.as_str())
     .bind(job.priority)
     .bind(&job.tag)
-    .bind(kind.trim_matches('"'))
-    .bind(&job.upload)
-    .bind(job.labels.as_deref().unwrap_or_default())
     .bind(rows::json(&job.options)?)
     .bind(standing.max_attempts)
     .bind(standing.created_at.as_microsecond())
     .execute(&mut *connection)
     .await?;
-    for blob in std::iter::once(&job.upload).chain(&job.labels) {
-        name(connection, job.id, blob).await?;
+    for (input, position) in job.inputs.iter().zip(0i64..) {
+        take(connection, job.id, input, position).await?;
     }
     Ok(())
+}
+
+async fn take(
+    connection: &mut SqliteConnection,
+    id: JobId,
+    input: &StoredInput,
+    position: i64,
+) -> Result<(), QueueError> {
+    sqlx::query(
+        "INSERT INTO job_inputs (job_id, position, role, name, kind, sha256, bytes, blob)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+    )
+    .bind(id.to_string())
+    .bind(position)
+    .bind(input.role.as_str())
+    .bind(&input.name)
+    .bind(rows::kind_word(input.kind)?)
+    .bind(&input.sha256)
+    .bind(i64::try_from(input.bytes).unwrap_or(i64::MAX))
+    .bind(&input.blob)
+    .execute(&mut *connection)
+    .await?;
+    name(connection, id, &input.blob).await
 }
 
 /// A change of a job that stood as in `before`. Returns the blobs that may go.

@@ -6,7 +6,9 @@ use super::endings::{Again, Over, over, requeue};
 use super::policy::is_transient;
 use super::{Change, Held, Policy, Refusal, Standing};
 use crate::contract::{ErrorCode, JobError};
-use crate::jobs::{Handover, JobProgress, JobState, NewEvent, StoredArtifact, Swept, Tick, Worker};
+use crate::jobs::{
+    Handover, JobProgress, JobState, NewEvent, StoredArtifact, Swept, Tick, Versions, Worker,
+};
 
 /// Something that is to happen to a job.
 #[derive(Debug, Clone)]
@@ -144,7 +146,7 @@ fn claim(
         until: policy.lapses(now),
     });
     standing.progress = None;
-    standing.versions.engine = worker.engine.clone();
+    standing.versions = Versions { engine: worker.engine.clone(), weights: worker.weights.clone() };
     standing.device = Some(worker.device.clone());
     standing.started_at = Some(now);
     Ok(())

@@ -31,6 +31,8 @@ fn worker(id: &str) -> Worker {
         host: "here".into(),
         device: "cpu".into(),
         engine: "1.2.3".into(),
+        weights: Some("sha256:ab".into()),
+        threads: 2,
         draining: false,
         last_seen: Timestamp::UNIX_EPOCH,
     }
@@ -321,6 +323,7 @@ fn a_claim_is_a_fresh_lease_of_that_worker() {
             assert_eq!((standing.state, standing.held), (JobState::Running, Some(held)));
             assert_eq!((standing.progress, standing.started_at), (None, Some(now)));
             assert_eq!(standing.versions.engine, "1.2.3");
+            assert_eq!(standing.versions.weights.as_deref(), Some("sha256:ab"));
             assert_eq!(standing.device.as_deref(), Some("cpu"));
             assert!(events.is_empty());
         }
