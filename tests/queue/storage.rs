@@ -40,7 +40,7 @@ fn files(folder: &Path) -> usize {
 #[tokio::test]
 async fn a_blob_is_there_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
-    let blobs = Blobs::local(folder.path()).unwrap();
+    let blobs = Blobs::local(folder.path()).await.unwrap();
     let mut writer = blobs.begin(BlobFolder::Uploads).await.unwrap();
     let mut whole = Vec::new();
     for number in 0..13u32 {
@@ -82,7 +82,7 @@ async fn what_no_row_names_is_swept(store: Store) {
     let queue = store.fresh().await;
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("blobs");
-    let blobs = Blobs::local(&root).unwrap();
+    let blobs = Blobs::open(&format!("file://{}", root.display())).await.unwrap();
     let kept = blobs.put(BlobFolder::Uploads, Bytes::from_static(b"kept")).await.unwrap();
     let inputs = [input(InputRole::Mesh, &kept.name)].into_iter().collect();
     queue.submit(NewJob { inputs, ..new_job() }, LIMIT).await.unwrap();
