@@ -11,7 +11,7 @@ const SAMPLES: [&str; 5] = ["chair", "chair_small", "table", "laptop", "skateboa
 fn job(bencher: divan::Bencher, sample: &str, quality: Quality) {
     let path = format!("{}/examples/{sample}.glb", env!("CARGO_MANIFEST_DIR"));
     let bytes = std::fs::read(path).expect("the samples are in the tree");
-    let input = Input { bytes: &bytes, kind: MeshKind::Glb, labels: None };
+    let input = Input::new(MeshKind::Glb, &bytes);
     let options = UnwrapOptions { quality, ..Default::default() };
     let (limits, engine) = (Limits::default(), Engine::new(Device::cpu()));
     bencher.bench_local(|| {

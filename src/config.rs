@@ -16,17 +16,16 @@ pub struct DataDir {
     #[arg(long = "data", value_name = "DIR", env = "UVSEGNET_DATA")]
     #[arg(default_value = "uvsegnet-data")]
     pub root: PathBuf,
+    /// Where uploads and artifacts are kept: a directory, or its URL (file:///PATH). If not given, in
+    /// the data directory.
+    #[arg(long, value_name = "URL", env = "UVSEGNET_BLOBS")]
+    pub blobs: Option<String>,
 }
 
 impl DataDir {
     /// The database file.
     pub fn database(&self) -> PathBuf {
         self.root.join("uvsegnet.db")
-    }
-
-    /// The directory of uploads and artifacts.
-    pub fn blobs(&self) -> PathBuf {
-        self.root.join("blobs")
     }
 
     /// The directory of the locks that living workers hold.
@@ -36,7 +35,9 @@ impl DataDir {
 
     /// These values as flags.
     pub fn to_flags(&self) -> Vec<OsString> {
-        vec!["--data".into(), self.root.clone().into()]
+        let mut flags = vec!["--data".into(), self.root.clone().into()];
+        flags.extend(self.blobs.iter().flat_map(|blobs| ["--blobs".into(), blobs.into()]));
+        flags
     }
 }
 
@@ -170,6 +171,8 @@ mod tests {
             "x",
             "--data",
             "/a b",
+            "--blobs",
+            "file:///c%20d",
             "--max-upload",
             "77",
             "--job-timeout",
@@ -184,6 +187,7 @@ mod tests {
         handed_on.extend(flags.times.to_flags());
         let again = Flags::parse_from(handed_on);
         assert_eq!(again.data.root, PathBuf::from("/a b"));
+        assert_eq!(again.data.blobs.as_deref(), Some("file:///c%20d"));
         assert_eq!(again.limits.limits(), flags.limits.limits());
         assert_eq!((again.limits.max_upload, again.limits.job_timeout), (77, 3));
         assert_eq!(again.times.retention(), Duration::from_secs(1800));

@@ -139,6 +139,20 @@ fn outer_crates_stay_in_their_rooms() {
 }
 
 #[test]
+fn only_one_function_names_the_database() {
+    for (_, path, text) in files() {
+        let within = |folder: &str| path.components().any(|part| part.as_os_str() == folder);
+        let knows =
+            within("sqlite") || path.ends_with("jobs/open.rs") || path.ends_with("jobs/mod.rs");
+        assert!(knows || !text.contains("Sqlite"), "{} names a database", path.display());
+        let decides = within("states") && !path.ends_with("tests.rs");
+        for outer in ["sqlx::", "tokio::", "async fn", "Timestamp::now"] {
+            assert!(!decides || !text.contains(outer), "{} names {outer}", path.display());
+        }
+    }
+}
+
+#[test]
 fn a_file_does_one_thing_and_says_which() {
     for (_, path, text) in files() {
         let lines = text.lines().count();

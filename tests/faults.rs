@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uvsegnet::config::{DataDir, host_name};
-use uvsegnet::jobs::{JobId, JobState, Presence, Queue, SqliteConfig, SqliteQueue, Worker};
+use uvsegnet::contract::ErrorCode;
+use uvsegnet::jobs::{self, EventData, JobId, JobState, Kept, Policy, Presence, Schema, Worker};
 
 /// Everything that must happen happens within this, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -196,20 +197,20 @@ fn kill(worker: &Value) {
 }
 
 fn data_dir(folder: &TempDir) -> DataDir {
-    DataDir { root: folder.path().to_path_buf() }
+    DataDir { root: folder.path().to_path_buf(), blobs: None }
 }
 
-/// The queue of a server, seen without it.
-async fn queue(folder: &TempDir) -> SqliteQueue {
-    let config = SqliteConfig::new(data_dir(folder).database());
-    SqliteQueue::open(config, Duration::ZERO).await.unwrap()
+/// What a server keeps, seen without it.
+async fn kept(folder: &TempDir) -> Kept {
+    let now = Schema::Await(Duration::ZERO);
+    jobs::open(&data_dir(folder), Policy::default(), now).await.unwrap()
 }
 
 /// Wait until none of these workers lives: not what any table says, but whether the kernel still
 /// holds their locks.
-async fn all_dead(folder: &TempDir, workers: &[Worker], within: Duration) {
-    let (locks, began) = (data_dir(folder).workers(), Instant::now());
-    while !workers.iter().all(|worker| Presence::is_dead(&locks, &worker.id)) {
+async fn all_dead(presence: &dyn Presence, workers: &[Worker], within: Duration) {
+    let began = Instant::now();
+    while !workers.iter().all(|worker| presence.is_dead(&worker.id)) {
         assert!(began.elapsed() < within, "a worker is left behind");
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
@@ -279,13 +280,13 @@ async fn a_killed_server_leaves_no_worker_and_its_job_is_taken_up_again() {
     let mut server = Server::start(folder.path(), &["--workers", "2"]);
     let id = server.submit(&long_enough()).await;
     server.training(&id, 1).await;
-    let queue = queue(&folder).await;
+    let Kept { queue, presence, .. } = kept(&folder).await;
     let workers = eventually("both workers are there", async || {
         Some(queue.workers_on(&host_name()).await.unwrap()).filter(|all| all.len() == 2)
     })
     .await;
     server.kill();
-    all_dead(&folder, &workers, Duration::from_secs(5)).await;
+    all_dead(&*presence, &workers, Duration::from_secs(5)).await;
     let left = queue.get(id.parse().unwrap()).await.unwrap().unwrap();
     assert_eq!(left.state, JobState::Running, "nobody could say that its worker is gone");
 
@@ -318,18 +319,19 @@ async fn a_drained_server_hands_its_job_back_and_no_attempt_is_spent() {
     let mut server = Server::start(folder.path(), &["--drain-timeout", "1"]);
     let id = server.submit(&endless()).await;
     server.training(&id, 1).await;
-    let queue = queue(&folder).await;
+    let Kept { queue, presence, .. } = kept(&folder).await;
     let workers = queue.workers_on(&host_name()).await.unwrap();
     let stream = server.stream(&id).await;
     assert!(server.terminate().await.success());
-    all_dead(&folder, &workers, Duration::ZERO).await;
+    all_dead(&*presence, &workers, Duration::ZERO).await;
     stream.await.unwrap();
 
     let id_parsed: JobId = id.parse().unwrap();
     let job = queue.get(id_parsed).await.unwrap().unwrap();
     assert_eq!((job.state, job.attempt), (JobState::Queued, 0));
     let last = queue.events_after(id_parsed, job.last_seq - 1, 1).await.unwrap();
-    assert_eq!(last[0].data["code"], "draining");
+    let EventData::Retrying(retrying) = &last[0].data else { panic!("{last:?}") };
+    assert_eq!(retrying.code, ErrorCode::Draining);
 
     let server = Server::start(folder.path(), &[]);
     server.training(&id, 1).await;

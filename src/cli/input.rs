@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
 
-use crate::contract::MeshKind;
-use crate::pipeline::Input;
+use crate::contract::{InputRole, MeshKind};
+use crate::pipeline::{Input, InputFile};
 
 /// Files in memory.
 pub struct Files {
@@ -29,6 +29,8 @@ impl Files {
 
     /// What the pipeline takes.
     pub fn input(&self) -> Input<'_> {
-        Input { bytes: &self.mesh, kind: self.kind, labels: self.labels.as_deref() }
+        let labels = self.labels.as_deref();
+        let labels = labels.map(|bytes| InputFile { role: InputRole::Labels, name: "", bytes });
+        Input::new(self.kind, &self.mesh).with(labels)
     }
 }

@@ -3,7 +3,6 @@
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
-use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use tokio::net::TcpListener;
@@ -14,12 +13,9 @@ use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
-use crate::jobs::{Blobs, Housekeeping, Queue, SqliteConfig, SqliteQueue};
+use crate::jobs::{self, Housekeeping, Keep, Kept, Policy, Schema};
 use crate::telemetry;
 use crate::worker::Supervisor;
-
-/// The schema was brought up to date just before.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Arguments of `uvsegnet serve`.
 #[derive(Debug, Clone, clap::Args)]
@@ -93,14 +89,9 @@ impl Service {
                 args.listen
             );
         }
-        let database = args.data.database();
-        SqliteQueue::migrate(&database).await?;
-        let config =
-            SqliteConfig { retention: args.times.retention(), ..SqliteConfig::new(database) };
-        let sqlite = SqliteQueue::open(config, PATIENCE).await?;
-        let changes = sqlite.changes();
-        let queue: Arc<dyn Queue> = Arc::new(sqlite);
-        let blobs = Blobs::local(&args.data.blobs())?;
+        let policy = Policy { retention: args.times.retention(), ..Policy::default() };
+        let Kept { queue, changes, presence, blobs } =
+            jobs::open(&args.data, policy, Schema::Migrate).await?;
         let listener = TcpListener::bind(args.listen)
             .await
             .with_context(|| format!("cannot listen on {}", args.listen))?;
@@ -111,7 +102,7 @@ impl Service {
         let housekeeping = Housekeeping {
             queue: queue.clone(),
             blobs: blobs.clone(),
-            presence: args.data.workers(),
+            presence,
             host: host_name(),
         };
         let state = AppState {
@@ -159,7 +150,7 @@ impl Service {
     }
 }
 
-fn supervisor(args: &Args, queue: Arc<dyn Queue>) -> Result<Supervisor> {
+fn supervisor(args: &Args, queue: Arc<dyn Keep>) -> Result<Supervisor> {
     let mut flags = args.data.to_flags();
     flags.extend(["--device".into(), args.device.to_string().into()]);
     flags.extend(args.weights.flags());

@@ -1,7 +1,6 @@
 //! `uvsegnet worker`: one worker on the queue of a service. A server starts its own; more can be
 //! started by hand on the same host.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -11,7 +10,7 @@ use uuid::Uuid;
 use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
-use crate::jobs::{Blobs, SqliteConfig, SqliteQueue};
+use crate::jobs::{self, Kept, Policy, Schema};
 use crate::worker::{EXIT_RENEW, WorkerSettings, watch_parent};
 use crate::{telemetry, worker};
 
@@ -62,16 +61,16 @@ async fn work(args: Args) -> Result<bool> {
         watch_parent(drain.clone()).context("cannot watch the server")?;
     }
     super::signals::cancel_on_signal(drain.clone(), args.supervised)?;
-    let database = args.data.database();
-    let config = SqliteConfig { retention: args.times.retention(), ..SqliteConfig::new(database) };
-    let queue = SqliteQueue::open(config, PATIENCE).await?;
+    let policy = Policy { retention: args.times.retention(), ..Policy::default() };
+    let Kept { queue, changes, presence, blobs } =
+        jobs::open(&args.data, policy, Schema::Await(PATIENCE)).await?;
     let settings = WorkerSettings {
         id: args.id.unwrap_or_else(|| format!("w-{}", Uuid::now_v7().simple())),
         host: host_name(),
-        changes: queue.changes(),
-        queue: Arc::new(queue),
-        blobs: Blobs::local(&args.data.blobs())?,
-        presence: args.data.workers(),
+        queue,
+        blobs,
+        changes,
+        presence,
         device: args.device,
         weights: args.weights.weights()?,
         limits: args.limits.limits(),

@@ -2,12 +2,12 @@
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use crate::contract::{JobError, UnwrapOptions};
 use crate::jobs::{
-    Artifact, Event, EventKind, Job, JobId, JobProgress, JobState, MetricsSummary, Versions,
+    Event, EventData, EventKind, Job, JobId, JobProgress, JobState, MetricsSummary, StoredArtifact,
+    Versions,
 };
 
 /// A job.
@@ -114,7 +114,7 @@ pub struct ArtifactBody {
 
 impl ArtifactBody {
     /// One of the artifacts of `job`.
-    pub fn of(job: &Job, artifact: &Artifact) -> Self {
+    pub fn of(job: &Job, artifact: &StoredArtifact) -> Self {
         Self {
             name: artifact.name.clone(),
             media_type: artifact.media_type.clone(),
@@ -144,44 +144,73 @@ pub struct ArtifactList {
 }
 
 /// An event, with the names that a server-sent event has.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = Event)]
 pub struct EventBody {
     /// 1, 2, 3, … within the job.
     pub id: u64,
     /// What happened.
     pub event: EventKind,
-    /// The particulars, with `job_id` and `at`.
-    #[schema(value_type = Object)]
-    pub data: Value,
+    /// The particulars.
+    pub data: EventDataBody,
+}
+
+/// The data of an event in every form: whose it is and when it was, then what it has of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = EventFields)]
+pub struct EventDataBody {
+    /// The job.
+    #[schema(value_type = String, example = "job_0190163d8694739baea5966c26f8ad91")]
+    pub job_id: JobId,
+    /// When it happened.
+    #[schema(value_type = String, format = DateTime)]
+    pub at: Timestamp,
+    /// What an event of this kind has to say.
+    #[serde(flatten)]
+    pub own: EventData,
+}
+
+impl From<Event> for EventDataBody {
+    fn from(event: Event) -> Self {
+        Self { job_id: event.job_id, at: event.at, own: event.data }
+    }
 }
 
 impl From<Event> for EventBody {
     fn from(event: Event) -> Self {
-        Self { id: event.seq, event: event.kind, data: event_data(event) }
+        Self { id: event.seq, event: event.kind(), data: event.into() }
     }
-}
-
-/// The data of an event in every form: `job_id` and `at`, then what the event has of its own.
-pub fn event_data(event: Event) -> Value {
-    let mut data = Map::new();
-    data.insert("job_id".into(), event.job_id.to_string().into());
-    data.insert("at".into(), event.at.to_string().into());
-    match event.data {
-        Value::Object(own) => data.extend(own),
-        Value::Null => {}
-        other => {
-            data.insert("value".into(), other);
-        }
-    }
-    Value::Object(data)
 }
 
 /// Events of a job, oldest first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct EventList {
     /// The events.
     pub data: Vec<EventBody>,
     /// The `after` that goes on from here.
     pub next_after: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::Stage;
+    use crate::jobs::StageEvent;
+
+    #[test]
+    fn an_event_says_whose_it_is_and_then_its_own() {
+        let id = JobId::new();
+        let event = Event {
+            event_id: 9,
+            job_id: id,
+            seq: 4,
+            data: EventData::Stage(StageEvent { attempt: 1, stage: Stage::Pack }),
+            at: "2026-01-02T03:04:05.678Z".parse().unwrap(),
+        };
+        let data = format!(
+            r#"{{"job_id":"{id}","at":"2026-01-02T03:04:05.678Z","attempt":1,"stage":"pack"}}"#
+        );
+        let json = serde_json::to_string(&EventBody::from(event)).unwrap();
+        assert_eq!(json, format!(r#"{{"id":4,"event":"stage","data":{data}}}"#));
+    }
 }

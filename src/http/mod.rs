@@ -17,7 +17,7 @@ mod state;
 mod upload;
 mod wait;
 
-pub use body::{ArtifactBody, ArtifactList, EventBody, EventList, JobBody, JobList};
+pub use body::{ArtifactBody, ArtifactList, EventBody, EventDataBody, EventList, JobBody, JobList};
 pub use docs::openapi_yaml;
 pub use problem::{Problem, ProblemBody};
 pub use routes::{InfoBody, QueueBody};

@@ -12,8 +12,7 @@ use axum::response::{IntoResponse, Response};
 use futures::stream::{Stream, StreamExt, iter, unfold};
 use serde::Serialize;
 
-use super::body::event_data;
-use super::{AppState, JobBody, Problem};
+use super::{AppState, EventDataBody, JobBody, Problem};
 use crate::jobs::{Changes, Event, Job, JobId, QueueError};
 
 /// How long a reader waits before it comes back.
@@ -154,7 +153,7 @@ impl Tail {
     }
 
     fn frame(&mut self, event: Event) -> Frame {
-        let kind = event.kind;
+        let kind = event.kind();
         self.after = match &mut self.source {
             Source::Job { over, .. } => {
                 *over = kind.is_terminal();
@@ -162,6 +161,6 @@ impl Tail {
             }
             Source::All => event.event_id,
         };
-        framed(self.after, kind.as_str(), &event_data(event))
+        framed(self.after, kind.as_str(), &EventDataBody::from(event))
     }
 }

@@ -7,13 +7,13 @@ use tokio_util::sync::CancellationToken;
 
 use super::Problem;
 use crate::contract::{ErrorCode, Limits};
-use crate::jobs::{BlobError, Blobs, Changes, Job, JobId, Queue, QueueError};
+use crate::jobs::{BlobError, Blobs, Changes, Job, JobId, QueueError, Submit};
 
 /// The queue, the blobs, and the rules. Cheap to clone.
 #[derive(Clone)]
 pub struct AppState {
     /// Jobs and their events.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Submit>,
     /// Uploads and artifacts.
     pub blobs: Blobs,
     /// Tells when a job may have changed.

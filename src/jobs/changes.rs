@@ -1,14 +1,10 @@
 //! Notices that something was committed, by this process or another, so that streams, long polls
-//! and idle workers need not ask the queue all the time.
+//! and idle workers need not ask the queue all the time. A store holds a [`Commits`] and tells;
+//! whoever waits holds a [`Changes`].
 
 use std::time::Duration;
 
-use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
-use sqlx::{ConnectOptions, Connection};
 use tokio::sync::watch;
-
-/// How often the database is asked.
-const POLL: Duration = Duration::from_millis(100);
 
 /// A subscription to commits. Take one (clone it), *then* read, then wait, then read again: no
 /// commit is missed. It does not say what changed.
@@ -16,19 +12,17 @@ const POLL: Duration = Duration::from_millis(100);
 pub struct Changes(watch::Receiver<u64>);
 
 impl Changes {
-    /// Watch the database behind `options` from a task that ends when the last subscription is
-    /// dropped.
-    pub(super) fn watch(options: SqliteConnectOptions) -> Self {
+    /// A subscription, and what feeds it.
+    pub fn new() -> (Commits, Self) {
         let (sender, receiver) = watch::channel(0);
-        tokio::spawn(poll(options, sender));
-        Self(receiver)
+        (Commits(sender), Self(receiver))
     }
 
     /// Wait until something was committed since this returned last (or since this subscription was
     /// taken). Commits in quick succession are noticed once.
     pub async fn changed(&mut self) {
         if self.0.changed().await.is_err() {
-            // The watcher is gone, so the runtime is going: nothing will change any more.
+            // The store is gone, so the runtime is going: nothing will change any more.
             std::future::pending::<()>().await;
         }
     }
@@ -40,38 +34,18 @@ impl Changes {
     }
 }
 
-/// `PRAGMA data_version` changes when *another* connection commits, so the connection must be one
-/// of its own and never one of a pool (<https://sqlite.org/pragma.html#pragma_data_version>).
-async fn poll(options: SqliteConnectOptions, sender: watch::Sender<u64>) {
-    let mut connection: Option<SqliteConnection> = None;
-    let mut last = None;
-    while !sender.is_closed() {
-        match version(&mut connection, &options).await {
-            Ok(version) if last == Some(version) => {}
-            Ok(version) => {
-                last = Some(version);
-                sender.send_modify(|count| *count += 1);
-            }
-            Err(error) => {
-                tracing::warn!(%error, "cannot watch the database for changes");
-                // A new connection counts anew, and waiters had better look.
-                (connection, last) = (None, None);
-            }
-        }
-        tokio::time::sleep(POLL).await;
-    }
-    if let Some(connection) = connection {
-        let _ = connection.close().await;
-    }
-}
+/// The store's end: it tells of every commit that it makes or notices.
+#[derive(Debug)]
+pub struct Commits(watch::Sender<u64>);
 
-async fn version(
-    connection: &mut Option<SqliteConnection>,
-    options: &SqliteConnectOptions,
-) -> Result<i64, sqlx::Error> {
-    let connection = match connection {
-        Some(open) => open,
-        None => connection.insert(options.connect().await?),
-    };
-    sqlx::query_scalar("PRAGMA data_version").fetch_one(connection).await
+impl Commits {
+    /// Something was committed.
+    pub fn tell(&self) {
+        self.0.send_modify(|count| *count += 1);
+    }
+
+    /// Whether nobody listens any more.
+    pub fn is_closed(&self) -> bool {
+        self.0.is_closed()
+    }
 }

@@ -4,31 +4,29 @@ use std::str::FromStr;
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::JobId;
+use super::{EventData, JobId};
 
 /// Kinds of event, in SSE the `event:` field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EventKind {
-    /// A stage begins: `{attempt, stage}`.
+    /// A stage begins.
     Stage,
-    /// A stage goes on, at most twice a second: a `JobProgress`.
+    /// A stage goes on, at most twice a second.
     Progress,
-    /// All charts of a part are final: `{part, name, charts, symmetric_dirichlet}`.
+    /// All charts of a part are final.
     PartCompleted,
-    /// Something the user should know: `{code, message}`.
+    /// Something the user should know.
     Warning,
-    /// The attempt is over but not the job: `{attempt, max_attempts, code, message}`; `attempt` is
-    /// the one that ended, `code` is an error code or `draining`.
+    /// The attempt is over but not the job.
     Retrying,
-    /// The job is over: `{state, attempt, metrics, artifacts}`, the latter by name.
+    /// The job is over: the artifacts are there.
     Succeeded,
-    /// The job is over: `{state, attempt, error}`.
+    /// The job is over: it failed.
     Failed,
-    /// The job is over: `{state, attempt}`.
+    /// The job is over: somebody asked for that.
     Canceled,
 }
 
@@ -78,17 +76,20 @@ impl FromStr for EventKind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewEvent {
     /// What happened.
-    pub kind: EventKind,
-    /// The particulars, a JSON object.
-    pub data: Value,
+    pub data: EventData,
     /// When.
     pub at: Timestamp,
 }
 
 impl NewEvent {
     /// An event of this moment.
-    pub fn now(kind: EventKind, data: Value) -> Self {
-        Self { kind, data, at: Timestamp::now() }
+    pub fn now(data: EventData) -> Self {
+        Self { data, at: Timestamp::now() }
+    }
+
+    /// What kind of event it is.
+    pub fn kind(&self) -> EventKind {
+        self.data.kind()
     }
 }
 
@@ -102,9 +103,14 @@ pub struct Event {
     /// 1, 2, 3, … within the job: the id in the job's own stream.
     pub seq: u64,
     /// What happened.
-    pub kind: EventKind,
-    /// The particulars, a JSON object.
-    pub data: Value,
+    pub data: EventData,
     /// When.
     pub at: Timestamp,
+}
+
+impl Event {
+    /// What kind of event it is.
+    pub fn kind(&self) -> EventKind {
+        self.data.kind()
+    }
 }

@@ -1,14 +1,13 @@
 //! What the server does beside answering: take back the jobs of dead workers, let go of what has
 //! expired, sweep blobs that no row names.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::time::{MissedTickBehavior, interval};
 use tokio_util::sync::CancellationToken;
 
-use super::{Blobs, Presence, Queue};
+use super::{Blobs, Keep, Presence};
 
 /// How often leases are looked through.
 const SWEEP: Duration = Duration::from_secs(1);
@@ -23,11 +22,11 @@ const ORPHAN_GRACE: Duration = Duration::from_secs(3600);
 #[derive(Clone)]
 pub struct Housekeeping {
     /// The queue to keep.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Keep>,
     /// The blobs to keep.
     pub blobs: Blobs,
-    /// Where the workers of this host hold their locks.
-    pub presence: PathBuf,
+    /// Which workers of this host live.
+    pub presence: Arc<dyn Presence>,
     /// The name of this host, as its workers register it.
     pub host: String,
 }
@@ -59,7 +58,7 @@ impl Housekeeping {
         match self.queue.workers_on(&self.host).await {
             Ok(workers) => {
                 for worker in workers {
-                    if Presence::is_dead(&self.presence, &worker.id)
+                    if self.presence.is_dead(&worker.id)
                         && let Err(error) = self.queue.worker_gone(&worker.id).await
                     {
                         tracing::error!(worker = worker.id, %error, "cannot forget a dead worker");
@@ -72,11 +71,8 @@ impl Housekeeping {
 
     /// Let go of uploads and artifacts whose time is over, and of the locks of the dead.
     async fn let_go(&self) {
-        // The folder is not there before the first worker.
-        if self.presence.exists()
-            && let Err(error) = Presence::tidy(&self.presence)
-        {
-            tracing::warn!(%error, "cannot tidy the locks of dead workers away");
+        if let Err(error) = self.presence.tidy() {
+            tracing::warn!(%error, "cannot tidy away what dead workers left");
         }
         let blobs = match self.queue.expire().await {
             Ok(blobs) => blobs,

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use crate::contract::{JobError, MeshKind, Stage, UnwrapOptions};
+use crate::contract::{JobError, Stage, UnwrapOptions};
 
-use super::MetricsSummary;
+use super::{Inputs, MetricsSummary};
 
 /// `job_` and a UUID of version 7 in 32 lower-case hexadecimal digits: ids sort by age.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -150,7 +150,7 @@ pub struct Versions {
 
 /// A file that a job made.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Artifact {
+pub struct StoredArtifact {
     /// Its name, as in `model.glb`.
     pub name: String,
     /// Its media type, as in `model/gltf-binary`.
@@ -168,12 +168,8 @@ pub struct Artifact {
 pub struct NewJob {
     /// A fresh id.
     pub id: JobId,
-    /// Kind of mesh that the upload is.
-    pub kind: MeshKind,
-    /// Name of the blob that holds the mesh.
-    pub upload: String,
-    /// Name of the blob that holds the part labels, where the client gave some.
-    pub labels: Option<String>,
+    /// The files, a mesh among them.
+    pub inputs: Inputs,
     /// What to do.
     pub options: UnwrapOptions,
     /// A word of the client's, to find the job again; may be empty.
@@ -214,22 +210,18 @@ pub struct Job {
     /// Why a job failed.
     pub error: Option<JobError>,
     /// What it made, in a fixed order. The rows stay after expiry; the blobs do not.
-    pub artifacts: Vec<Artifact>,
-    /// Kind of mesh that the upload is.
-    pub kind: MeshKind,
-    /// Name of the blob that holds the mesh.
-    pub upload: String,
-    /// Name of the blob that holds the part labels.
-    pub labels: Option<String>,
+    pub artifacts: Vec<StoredArtifact>,
+    /// What it was given. The rows stay after expiry; the blobs do not.
+    pub inputs: Inputs,
     /// When it was queued.
     pub created_at: Timestamp,
     /// When its latest attempt began.
     pub started_at: Option<Timestamp>,
     /// When it was over.
     pub finished_at: Option<Timestamp>,
-    /// When its upload and artifacts go; `None` until it is over.
+    /// When its inputs and artifacts go; `None` until it is over.
     pub expires_at: Option<Timestamp>,
-    /// Whether upload and artifacts are gone, or may be at any moment.
+    /// Whether inputs and artifacts are gone, or may be at any moment.
     pub expired: bool,
     /// Sequence number of its latest event; 0 before the first.
     pub last_seq: u64,

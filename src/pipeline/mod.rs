@@ -14,6 +14,7 @@ mod error;
 mod extras;
 mod faces;
 mod finish;
+mod input;
 mod joint;
 mod maps;
 mod neural;
@@ -27,21 +28,11 @@ pub use crate::segmentation::Weights;
 pub use effort::required_bytes;
 pub use engine::Engine;
 pub use error::{Cause, UnwrapError};
+pub use input::{Input, InputFile};
 pub use result::{Artifact, Unwrapped};
 
-use crate::contract::{Limits, MeshKind, Progress, Run, Stage, StopAfter, UnwrapOptions};
+use crate::contract::{Limits, Progress, Run, Stage, StopAfter, UnwrapOptions};
 use crate::mesh::{self, Scene};
-
-/// A mesh as it was uploaded.
-#[derive(Debug, Clone, Copy)]
-pub struct Input<'a> {
-    /// The file.
-    pub bytes: &'a [u8],
-    /// What kind of file.
-    pub kind: MeshKind,
-    /// Part labels given beside it: one integer a line, line i for face i, −1 unknown.
-    pub labels: Option<&'a [u8]>,
-}
 
 /// Import and unwrap.
 pub fn unwrap_input(
@@ -74,8 +65,8 @@ pub fn unwrap(
 }
 
 fn import(input: &Input, limits: &Limits, run: &Run) -> Result<Scene, Cause> {
-    let mut scene = mesh::import(input.bytes, input.kind, limits)?;
-    if let Some(labels) = input.labels {
+    let mut scene = mesh::import(input.mesh(), input.kind(), limits)?;
+    if let Some(labels) = input.labels() {
         let labels = mesh::import::parse_labels(labels, scene.face_count());
         scene.labels = Some(labels.map_err(Cause::Labels)?);
     }

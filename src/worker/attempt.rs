@@ -10,13 +10,13 @@ use tokio::sync::oneshot;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
 use tokio_util::sync::CancellationToken;
 
-use super::pipeline_thread::{Outcome, Work, start};
+use super::pipeline_thread::{Beside, Call, Outcome, start};
 use super::reporter::Reporter;
 use super::results::{discard, store_all};
-use crate::contract::{ArtifactKind, Budget, Cancel, ErrorCode, JobError, Limits, Run};
+use crate::contract::{ArtifactKind, Budget, Cancel, ErrorCode, InputRole, JobError, Limits, Run};
 use crate::jobs::{
-    Artifact, Blobs, Changes, Claim, Finished, Job, JobState, Lease, MetricsSummary, NewEvent,
-    Queue, QueueError, Tick, TickAnswer,
+    Blobs, Changes, Claim, Handover, Job, JobState, Lease, MetricsSummary, NewEvent, QueueError,
+    StoredArtifact, Tick, TickAnswer, Work,
 };
 use crate::pipeline::{Engine, Unwrapped};
 use crate::telemetry::JobLog;
@@ -31,7 +31,7 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// What every attempt of a worker is given.
 pub struct Context {
     /// The queue.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Work>,
     /// The blobs.
     pub blobs: Blobs,
     /// Tells when somebody may have asked for the job to stop.
@@ -108,11 +108,16 @@ struct Attempt<'a> {
 impl Attempt<'_> {
     /// Fetch the input and begin the pipeline.
     async fn start(&self, job: &Job) -> Result<oneshot::Receiver<Outcome>, JobError> {
-        let mesh = self.fetch(&job.upload).await?;
-        let labels = match &job.labels {
-            Some(labels) => Some(self.fetch(labels).await?),
-            None => None,
-        };
+        let (mut mesh, mut beside) = (None, Vec::new());
+        for input in job.inputs.iter() {
+            let bytes = self.fetch(&input.blob).await?;
+            match input.kind {
+                Some(kind) if input.role == InputRole::Mesh => mesh = Some((kind, bytes)),
+                _ => beside.push(Beside { role: input.role, name: input.name.clone(), bytes }),
+            }
+        }
+        let no_mesh = || JobError::new(ErrorCode::Internal, "the job has no mesh of a known kind");
+        let (kind, mesh) = mesh.ok_or_else(no_mesh)?;
         let limits = &self.context.limits;
         let reporter = self.reporter.clone();
         let run = Run::new(
@@ -120,10 +125,10 @@ impl Attempt<'_> {
             self.cancel.clone(),
             Budget::new(job.options.budget_s, job.options.budget_mib),
         );
-        start(Work {
+        start(Call {
             mesh,
-            kind: job.kind,
-            labels,
+            kind,
+            beside,
             options: job.options.clone(),
             limits: limits.clone(),
             engine: self.context.engine.clone(),
@@ -222,11 +227,11 @@ impl Attempt<'_> {
     }
 
     /// The events and the progress that go with the end.
-    fn rest(&mut self) -> (Vec<NewEvent>, Finished) {
+    fn rest(&mut self) -> (Vec<NewEvent>, Handover) {
         self.gather();
         let rest = std::mem::take(&mut self.unwritten);
-        let finished = Finished { progress: rest.progress, ..Finished::default() };
-        (rest.events, finished)
+        let handover = Handover { progress: rest.progress, ..Handover::default() };
+        (rest.events, handover)
     }
 
     /// Commit the end of the attempt.
@@ -258,8 +263,8 @@ impl Attempt<'_> {
     }
 
     async fn succeed(&mut self, unwrapped: &Unwrapped) -> Result<(), QueueError> {
-        let (events, mut finished) = self.rest();
-        if let Some(progress) = &mut finished.progress {
+        let (events, mut handover) = self.rest();
+        if let Some(progress) = &mut handover.progress {
             (progress.fraction, progress.eta_s) = (1.0, Some(0.0));
         }
         tracing::info!(job = %self.lease.job, "job succeeded");
@@ -275,20 +280,23 @@ impl Attempt<'_> {
             }
         };
         let metrics = Some(MetricsSummary::from(&unwrapped.metrics));
-        let finished = Finished { events, artifacts: artifacts.clone(), metrics, ..finished };
-        let committed = self.context.queue.finish(&self.lease, finished).await;
+        let handover = Handover { events, artifacts: artifacts.clone(), metrics, ..handover };
+        let committed = self.context.queue.finish(&self.lease, handover).await;
         self.keep_if_ok(committed, &artifacts).await
     }
 
     /// Says that this process is to be renewed where the device was lost.
     async fn fail(&mut self, error: JobError) -> Result<Option<Next>, QueueError> {
-        let (events, finished) = self.rest();
+        let (events, handover) = self.rest();
         tracing::warn!(job = %self.lease.job, %error, "attempt failed");
         let lost = error.code == ErrorCode::DeviceLost;
         // A log that cannot be stored must not hide the error that it was to explain.
         let artifacts = store_all(&self.context.blobs, [log()]).await.unwrap_or_default();
-        let finished = Finished { events, artifacts: artifacts.clone(), ..finished };
-        let state = self.context.queue.fail(&self.lease, error, finished).await;
+        let handover = Handover { events, artifacts: artifacts.clone(), ..handover };
+        let state = self.context.queue.fail(&self.lease, error, handover).await;
+        if matches!(state, Ok(JobState::Canceled)) {
+            tracing::info!(job = %self.lease.job, "not tried again, for it is to be canceled");
+        }
         if !matches!(state, Ok(JobState::Failed)) {
             discard(&self.context.blobs, &artifacts).await;
         }
@@ -301,9 +309,9 @@ impl Attempt<'_> {
         match self.stop {
             Some(Stop::LeaseLost) => Err(QueueError::LeaseLost),
             Some(Stop::Canceled) => {
-                let (events, finished) = self.rest();
+                let (events, handover) = self.rest();
                 tracing::info!(job = %self.lease.job, "job canceled");
-                queue.canceled(&self.lease, Finished { events, ..finished }).await
+                queue.canceled(&self.lease, Handover { events, ..handover }).await
             }
             Some(Stop::Drained) => {
                 let (events, _) = self.rest();
@@ -328,7 +336,7 @@ impl Attempt<'_> {
     async fn keep_if_ok(
         &self,
         committed: Result<(), QueueError>,
-        artifacts: &[Artifact],
+        artifacts: &[StoredArtifact],
     ) -> Result<(), QueueError> {
         // Of any other error it is not known whether the row stands: the orphan sweep knows.
         if matches!(committed, Err(QueueError::LeaseLost)) {

@@ -1,6 +1,5 @@
 //! The life of a worker: show presence, register, take job after job, leave.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,7 +10,7 @@ use super::WorkerError;
 use super::attempt::{self, Context, Next};
 use crate::contract::Limits;
 use crate::device::{self, Device, DeviceChoice};
-use crate::jobs::{Blobs, Changes, Presence, Queue, Worker};
+use crate::jobs::{Blobs, Changes, Presence, Work, Worker};
 use crate::pipeline::{Engine, Weights};
 
 /// How often a worker says that it is alive.
@@ -28,13 +27,13 @@ pub struct WorkerSettings {
     /// The name of this host.
     pub host: String,
     /// The queue.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Work>,
     /// The blobs.
     pub blobs: Blobs,
     /// Tells when a job may wait.
     pub changes: Changes,
-    /// Where living workers hold their locks.
-    pub presence: PathBuf,
+    /// Where this worker shows that it lives.
+    pub presence: Arc<dyn Presence>,
     /// Where to compute.
     pub device: DeviceChoice,
     /// Weights of the segmentation network.
@@ -50,7 +49,7 @@ pub struct WorkerSettings {
 /// Work until told to shut down. `Ok(true)` asks for a fresh process in place of this one: exit with
 /// [`EXIT_RENEW`](super::EXIT_RENEW), and at once, for the pipeline may still be running.
 pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
-    let _presence = Presence::declare(&settings.presence, &settings.id)?;
+    let _alive = settings.presence.declare(&settings.id)?;
     let device = ready_device(settings.device).await?;
     let worker = Worker {
         id: settings.id,
@@ -58,6 +57,8 @@ pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
         host: settings.host,
         device: device.name(),
         engine: env!("CARGO_PKG_VERSION").into(),
+        weights: Some(settings.weights.digest().to_owned()),
+        threads: u32::try_from(rayon::current_num_threads()).unwrap_or(u32::MAX),
         draining: false,
         last_seen: Timestamp::now(),
     };
@@ -77,7 +78,7 @@ pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
     heart.abort();
     // A heart beat after this would register the worker anew.
     let _ = heart.await;
-    context.queue.worker_gone(&worker.id).await?;
+    context.queue.leave(&worker.id).await?;
     tracing::info!(worker = worker.id, renew, "worker leaves");
     Ok(renew)
 }
@@ -121,7 +122,7 @@ async fn take_jobs(context: &Context, worker: &Worker) -> bool {
     false
 }
 
-async fn beat(queue: Arc<dyn Queue>, mut worker: Worker, drain: CancellationToken) {
+async fn beat(queue: Arc<dyn Work>, mut worker: Worker, drain: CancellationToken) {
     loop {
         tokio::select! {
             () = tokio::time::sleep(HEARTBEAT) => {}

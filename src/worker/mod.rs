@@ -21,9 +21,6 @@ pub enum WorkerError {
     /// The queue cannot be used.
     #[error(transparent)]
     Queue(#[from] crate::jobs::QueueError),
-    /// The blobs cannot be used.
-    #[error(transparent)]
-    Blobs(#[from] crate::jobs::BlobError),
     /// There is no such device, or it does not compute.
     #[error(transparent)]
     Device(#[from] crate::device::DeviceError),

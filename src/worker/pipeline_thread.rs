@@ -7,20 +7,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bytes::Bytes;
 use tokio::sync::oneshot;
 
-use crate::contract::{JobError, Limits, MeshKind, Run, UnwrapOptions};
-use crate::pipeline::{Engine, Input, Unwrapped, unwrap_input};
+use crate::contract::{InputRole, JobError, Limits, MeshKind, Run, UnwrapOptions};
+use crate::pipeline::{Engine, Input, InputFile, Unwrapped, unwrap_input};
 
 /// Bytes of stack: walks over large meshes may recurse.
 const STACK: usize = 64 << 20;
 
 /// One call of the pipeline.
-pub struct Work {
+pub struct Call {
     /// The mesh.
     pub mesh: Bytes,
     /// What kind of mesh that is.
     pub kind: MeshKind,
-    /// The part labels.
-    pub labels: Option<Bytes>,
+    /// What stands beside it.
+    pub beside: Vec<Beside>,
     /// What to do.
     pub options: UnwrapOptions,
     /// What is accepted.
@@ -29,6 +29,16 @@ pub struct Work {
     pub engine: Engine,
     /// Whom to tell, and when to stop.
     pub run: Run,
+}
+
+/// A file beside the mesh.
+pub struct Beside {
+    /// What it is for.
+    pub role: InputRole,
+    /// Its name, as the client gave it.
+    pub name: String,
+    /// The file.
+    pub bytes: Bytes,
 }
 
 /// How the call ended.
@@ -44,11 +54,11 @@ pub enum Outcome {
 }
 
 /// Begin the call. The thread is left to itself if nobody waits for the answer.
-pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
+pub fn start(call: Call) -> io::Result<oneshot::Receiver<Outcome>> {
     let (answer, outcome) = oneshot::channel();
     let thread = std::thread::Builder::new().name("pipeline".into()).stack_size(STACK);
     thread.spawn(move || {
-        let ended = catch_unwind(AssertUnwindSafe(|| call(&work)));
+        let ended = catch_unwind(AssertUnwindSafe(|| unwrap(&call)));
         let ended = ended.unwrap_or_else(|panic| Outcome::Panicked(message_of(&*panic)));
         // Nobody waits any more: the attempt was given up.
         let _ = answer.send(ended);
@@ -56,9 +66,14 @@ pub fn start(work: Work) -> io::Result<oneshot::Receiver<Outcome>> {
     Ok(outcome)
 }
 
-fn call(work: &Work) -> Outcome {
-    let input = Input { bytes: &work.mesh, kind: work.kind, labels: work.labels.as_deref() };
-    match unwrap_input(&input, &work.options, &work.limits, &work.engine, &work.run) {
+fn unwrap(call: &Call) -> Outcome {
+    let beside = call.beside.iter().map(|Beside { role, name, bytes }| InputFile {
+        role: *role,
+        name,
+        bytes,
+    });
+    let input = Input::new(call.kind, &call.mesh).with(beside);
+    match unwrap_input(&input, &call.options, &call.limits, &call.engine, &call.run) {
         Ok(unwrapped) => Outcome::Done(Box::new(unwrapped)),
         Err(error) => match error.job_error() {
             Some(error) => Outcome::Failed(error),

@@ -4,10 +4,8 @@
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use serde_json::json;
-
 use crate::contract::{Progress, Stage, Warning};
-use crate::jobs::{EventKind, JobProgress, NewEvent};
+use crate::jobs::{EventData, JobProgress, NewEvent, PartCompletedEvent, StageEvent, WarningEvent};
 
 /// Least time between two `progress` rows of a job.
 const PROGRESS_EVERY: Duration = Duration::from_millis(500);
@@ -54,8 +52,7 @@ impl Reporter {
         match progress {
             Progress::Stage { stage } => {
                 tracing::info!(stage = stage.as_str(), "stage");
-                let data = json!({"attempt": self.attempt, "stage": stage});
-                state.events.push(NewEvent::now(EventKind::Stage, data));
+                state.write(EventData::Stage(StageEvent { attempt: self.attempt, stage }));
                 state.stage_began = Instant::now();
                 let parts = state.now.as_ref().map_or((0, 0), |p| (p.parts_done, p.parts_total));
                 state.set(stage, 0.0, parts, None);
@@ -78,16 +75,14 @@ impl Reporter {
             }
             Progress::PartCompleted { part, name, charts, symmetric_dirichlet } => {
                 tracing::info!(part, name, charts, symmetric_dirichlet, "part completed");
-                let data = json!({
-                    "part": part, "name": name, "charts": charts,
-                    "symmetric_dirichlet": symmetric_dirichlet,
-                });
-                state.events.push(NewEvent::now(EventKind::PartCompleted, data));
+                let symmetric_dirichlet = Some(symmetric_dirichlet).filter(|e| e.is_finite());
+                let completed = PartCompletedEvent { part, name, charts, symmetric_dirichlet };
+                state.write(EventData::PartCompleted(completed));
             }
-            Progress::Warning(Warning { code, message }) => {
-                tracing::warn!(code = code.as_str(), "{message}");
-                let data = json!({"code": code, "message": message});
-                state.events.push(NewEvent::now(EventKind::Warning, data));
+            Progress::Warning(warning) => {
+                tracing::warn!(code = warning.code.as_str(), "{}", warning.message);
+                let Warning { code, message } = warning;
+                state.write(EventData::Warning(WarningEvent { code, message }));
             }
         }
     }
@@ -96,9 +91,11 @@ impl Reporter {
     pub fn take(&self) -> (Vec<NewEvent>, Option<JobProgress>) {
         let mut state = self.state();
         let due = state.progress_given.is_none_or(|last| last.elapsed() >= PROGRESS_EVERY);
-        if state.moved && due {
-            let data = serde_json::to_value(&state.now).unwrap_or_default();
-            state.events.push(NewEvent::now(EventKind::Progress, data));
+        if state.moved
+            && due
+            && let Some(now) = state.now.clone()
+        {
+            state.write(EventData::Progress(now));
             state.progress_given = Some(Instant::now());
             state.moved = false;
         }
@@ -113,6 +110,10 @@ impl Reporter {
 }
 
 impl State {
+    fn write(&mut self, data: EventData) {
+        self.events.push(NewEvent::now(data));
+    }
+
     fn set(&mut self, stage: Stage, fraction: f64, parts: (u32, u32), eta_s: Option<f64>) {
         let (parts_done, parts_total) = parts;
         self.now = Some(JobProgress { stage, fraction, parts_done, parts_total, eta_s });
@@ -138,9 +139,8 @@ mod tests {
         }
         reporter.tell(Progress::Stage { stage: Stage::Pack });
         let (events, now) = reporter.take();
-        let kinds: Vec<_> = events.iter().map(|event| event.kind).collect();
-        assert_eq!(kinds, [EventKind::Stage]);
-        assert_eq!(events[0].data, json!({"attempt": 2, "stage": "pack"}));
+        let told: Vec<_> = events.into_iter().map(|event| event.data).collect();
+        assert_eq!(told, [EventData::Stage(StageEvent { attempt: 2, stage: Stage::Pack })]);
         let now = now.unwrap();
         assert_eq!((now.stage, now.parts_done, now.parts_total), (Stage::Pack, 1, 4));
         assert_eq!(reporter.take(), (vec![], None));

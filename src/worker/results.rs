@@ -3,12 +3,16 @@
 use bytes::Bytes;
 
 use crate::contract::ArtifactKind;
-use crate::jobs::{Artifact, BlobError, BlobFolder, Blobs};
+use crate::jobs::{BlobError, BlobFolder, Blobs, StoredArtifact};
 
 /// Store one file.
-async fn store(blobs: &Blobs, kind: ArtifactKind, bytes: Bytes) -> Result<Artifact, BlobError> {
+async fn store(
+    blobs: &Blobs,
+    kind: ArtifactKind,
+    bytes: Bytes,
+) -> Result<StoredArtifact, BlobError> {
     let stored = blobs.put(BlobFolder::Artifacts, bytes).await?;
-    Ok(Artifact {
+    Ok(StoredArtifact {
         name: kind.name().into(),
         media_type: kind.media_type().into(),
         bytes: stored.bytes,
@@ -21,7 +25,7 @@ async fn store(blobs: &Blobs, kind: ArtifactKind, bytes: Bytes) -> Result<Artifa
 pub async fn store_all(
     blobs: &Blobs,
     files: impl IntoIterator<Item = (ArtifactKind, Bytes)>,
-) -> Result<Vec<Artifact>, BlobError> {
+) -> Result<Vec<StoredArtifact>, BlobError> {
     let mut stored = Vec::new();
     for (kind, bytes) in files {
         match store(blobs, kind, bytes).await {
@@ -36,7 +40,7 @@ pub async fn store_all(
 }
 
 /// Delete files that no row will name. What cannot be deleted is left to the orphan sweep.
-pub async fn discard(blobs: &Blobs, artifacts: &[Artifact]) {
+pub async fn discard(blobs: &Blobs, artifacts: &[StoredArtifact]) {
     for artifact in artifacts {
         if let Err(error) = blobs.delete(&artifact.blob).await {
             tracing::warn!(blob = artifact.blob, %error, "cannot delete a file of an attempt");

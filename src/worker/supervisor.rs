@@ -15,7 +15,7 @@ use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 use super::{EXIT_RENEW, parent};
-use crate::jobs::Queue;
+use crate::jobs::Keep;
 
 /// Shortest and longest wait before a worker that ended is replaced.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(10));
@@ -36,7 +36,7 @@ pub struct Supervisor {
     /// Threads of each worker's pipeline.
     pub threads: usize,
     /// The queue, which learns of deaths here.
-    pub queue: Arc<dyn Queue>,
+    pub queue: Arc<dyn Keep>,
     /// How long a running job gets at a shutdown.
     pub drain_timeout: Duration,
 }

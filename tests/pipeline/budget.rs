@@ -21,7 +21,7 @@ fn unwrap_within(
     let told = Arc::new(Mutex::new(Vec::new()));
     let listener = told.clone();
     let run = Run::new(move |p| listener.lock().unwrap().push(p), Cancel::default(), budget);
-    let input = Input { bytes, kind: kind_of(bytes), labels: None };
+    let input = Input::new(kind_of(bytes), bytes);
     let engine = Engine::new(Device::cpu());
     let result = unwrap_input(&input, options, &Limits::default(), &engine, &run);
     let told = told.lock().unwrap().clone();

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use uvsegnet::contract::{
-    ArtifactKind, ChartForm, DoubleSided, ErrorCode, Limits, MeshKind, Quality, Rotation, Run,
-    SegmentationSource, StopAfter, UnwrapOptions,
+    ArtifactKind, ChartForm, DoubleSided, ErrorCode, InputRole, Limits, MeshKind, Quality,
+    Rotation, Run, SegmentationSource, StopAfter, UnwrapOptions,
 };
 use uvsegnet::device::Device;
-use uvsegnet::pipeline::{Engine, Input, UnwrapError, Unwrapped, unwrap_input};
+use uvsegnet::pipeline::{Engine, Input, InputFile, UnwrapError, Unwrapped, unwrap_input};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
@@ -29,7 +29,8 @@ fn unwrap(
     labels: Option<&[u8]>,
     options: &UnwrapOptions,
 ) -> Result<Unwrapped, UnwrapError> {
-    let input = Input { bytes, kind: kind_of(bytes), labels };
+    let labels = labels.map(|bytes| InputFile { role: InputRole::Labels, name: "", bytes });
+    let input = Input::new(kind_of(bytes), bytes).with(labels);
     unwrap_input(&input, options, &Limits::default(), &Engine::new(Device::cpu()), &Run::quiet())
 }
 

@@ -1,17 +1,21 @@
-//! Lists, deletions, limits, changes, and the schema.
+//! Lists, deletions, limits, changes.
 
 use std::time::{Duration, Instant};
 
-use uvsegnet::jobs::{
-    Claim, Deleted, Finished, JobState, ListFilter, NewJob, Queue, QueueError, SqliteConfig,
-    SqliteQueue,
-};
+use uvsegnet::jobs::{Claim, Deleted, Handover, JobState, ListFilter, NewJob, QueueError};
 
-use super::{LIMIT, NOW, artifact, claim, file, fresh, new_job, submit};
+use super::stores::{Store, on_every_store};
+use super::{LIMIT, artifact, claim, mesh, new_job, submit};
 
-#[tokio::test]
-async fn pages_are_stable_while_jobs_come() {
-    let (_folder, queue) = fresh(|_| {}).await;
+on_every_store!(
+    pages_are_stable_while_jobs_come,
+    a_deleted_job_leaves_nothing,
+    a_full_queue_takes_nothing,
+    commits_of_others_are_noticed,
+);
+
+async fn pages_are_stable_while_jobs_come(store: Store) {
+    let queue = store.fresh().await;
     let mut ids = Vec::new();
     for number in 0..25 {
         let tag = if number % 2 == 0 { "even" } else { "" };
@@ -24,7 +28,7 @@ async fn pages_are_stable_while_jobs_come() {
     loop {
         let page = queue.list(&filter).await.unwrap();
         listed.extend(page.jobs.iter().map(|job| job.id));
-        submit(&queue).await;
+        submit(&*queue).await;
         match page.next_cursor {
             Some(cursor) => filter.cursor = Some(cursor),
             None => break,
@@ -34,7 +38,7 @@ async fn pages_are_stable_while_jobs_come() {
 
     let tagged = ListFilter { tag: Some("even".into()), ..ListFilter::default() };
     assert_eq!(queue.list(&tagged).await.unwrap().jobs.len(), 13);
-    let running = claim(&queue).await.job.id;
+    let running = claim(&*queue).await.job.id;
     let filter = ListFilter { state: Some(JobState::Running), ..ListFilter::default() };
     let page = queue.list(&filter).await.unwrap();
     assert_eq!((page.jobs.len(), page.jobs[0].id, page.next_cursor), (1, running, None));
@@ -42,17 +46,16 @@ async fn pages_are_stable_while_jobs_come() {
     assert!(matches!(queue.list(&filter).await, Err(QueueError::Cursor)));
 }
 
-#[tokio::test]
-async fn a_deleted_job_leaves_nothing() {
-    let (_folder, queue) = fresh(|_| {}).await;
-    let id = submit(&queue).await;
+async fn a_deleted_job_leaves_nothing(store: Store) {
+    let queue = store.fresh().await;
+    let id = submit(&*queue).await;
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::NotTerminal);
-    let Claim { lease, job } = claim(&queue).await;
+    let Claim { lease, job } = claim(&*queue).await;
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::NotTerminal);
     let artifacts = vec![artifact("model.glb", "artifacts/x")];
-    queue.finish(&lease, Finished { artifacts, ..Finished::default() }).await.unwrap();
+    queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
     let last = queue.last_event_id().await.unwrap();
-    let blobs = vec!["artifacts/x".to_string(), job.upload];
+    let blobs = vec!["artifacts/x".to_string(), mesh(&job)];
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::Deleted { blobs: blobs.clone() });
     assert_eq!(queue.delete(id).await.unwrap(), Deleted::NotFound);
     assert!(queue.get(id).await.unwrap().is_none());
@@ -60,55 +63,31 @@ async fn a_deleted_job_leaves_nothing() {
     assert!(queue.named(&blobs).await.unwrap().is_empty());
     // Ids of events are never given twice, or a stream that resumes would miss some.
     assert_eq!(queue.last_event_id().await.unwrap(), last);
-    submit(&queue).await;
-    queue.release(&claim(&queue).await.lease, vec![]).await.unwrap();
+    submit(&*queue).await;
+    queue.release(&claim(&*queue).await.lease, vec![]).await.unwrap();
     assert!(queue.last_event_id().await.unwrap() > last);
 }
 
-#[tokio::test]
-async fn a_full_queue_takes_nothing() {
-    let (_folder, queue) = fresh(|_| {}).await;
+async fn a_full_queue_takes_nothing(store: Store) {
+    let queue = store.fresh().await;
     for _ in 0..3 {
         queue.submit(new_job(), 3).await.unwrap();
     }
     let full = queue.submit(new_job(), 3).await;
     assert!(matches!(full, Err(QueueError::Full { limit: 3 })));
-    claim(&queue).await;
+    claim(&*queue).await;
     queue.submit(new_job(), 3).await.unwrap();
 }
 
-#[tokio::test]
-async fn commits_of_others_are_noticed() {
-    let (folder, queue) = fresh(|_| {}).await;
-    let mut changes = queue.changes();
+async fn commits_of_others_are_noticed(store: Store) {
+    let queue = store.fresh().await;
+    let mut changes = queue.changes.clone();
     tokio::time::timeout(Duration::from_secs(5), changes.changed()).await.unwrap();
     let quiet = tokio::time::timeout(Duration::from_millis(400), changes.changed()).await;
     assert!(quiet.is_err(), "nothing was committed");
-    let other = SqliteQueue::open(SqliteConfig::new(file(&folder)), NOW).await.unwrap();
+    let other = queue.again().await;
     let began = Instant::now();
-    submit(&other).await;
+    submit(&*other).await;
     tokio::time::timeout(Duration::from_secs(5), changes.changed()).await.unwrap();
     assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
-}
-
-#[tokio::test]
-async fn the_schema_must_be_exactly_ours() {
-    let folder = tempfile::tempdir().unwrap();
-    let open = || SqliteQueue::open(SqliteConfig::new(file(&folder)), Duration::from_millis(200));
-    let refused = open().await.unwrap_err().to_string();
-    assert!(refused.contains("uvsegnet serve"), "{refused}");
-    assert!(!file(&folder).exists(), "only a server makes the file");
-
-    // Several servers may start at once.
-    let path = file(&folder);
-    let (a, b) = tokio::join!(SqliteQueue::migrate(&path), SqliteQueue::migrate(&path));
-    a.and(b).unwrap();
-    open().await.unwrap();
-
-    let newer = sqlx::sqlite::SqlitePool::connect(path.to_str().unwrap()).await.unwrap();
-    sqlx::query("UPDATE _sqlx_migrations SET checksum = x'00'").execute(&newer).await.unwrap();
-    let refused = open().await.unwrap_err().to_string();
-    assert!(refused.contains("schema"), "{refused}");
-    let refused = SqliteQueue::migrate(&path).await.unwrap_err().to_string();
-    assert!(refused.contains("another version"), "{refused}");
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use uvsegnet::contract::ErrorCode;
-use uvsegnet::jobs::{Finished, JobState, Lease, Queue, QueueError, Tick, TickAnswer};
+use uvsegnet::jobs::{Handover, JobState, Lease, QueueError, Tick, TickAnswer};
 
-use super::{error, fresh, get, kinds, submit, warning, worker};
+use super::stores::Store;
+use super::{error, get, kinds, submit, warning, worker};
 
 /// One thing that may happen to the queue.
 #[derive(Debug, Clone)]
@@ -38,15 +39,15 @@ fn step() -> impl Strategy<Value = Step> {
 }
 
 /// Whatever happens, in whatever order, with whatever stale lease.
-async fn any_history(steps: Vec<Step>) {
-    let (_folder, queue) = fresh(|_| {}).await;
+async fn any_history(store: Store, steps: Vec<Step>) {
+    let queue = store.fresh().await;
     let (mut jobs, mut leases, mut over) = (Vec::new(), Vec::new(), BTreeSet::new());
     let lease = |leases: &[Lease], number: usize| {
         leases.len().checked_sub(1).map(|last| leases[last.saturating_sub(number)].clone())
     };
     for step in steps {
         match step {
-            Step::Submit => jobs.push(submit(&queue).await),
+            Step::Submit => jobs.push(submit(&*queue).await),
             Step::Claim => {
                 leases.extend(queue.claim(&worker("w")).await.unwrap().map(|claim| claim.lease));
             }
@@ -63,22 +64,22 @@ async fn any_history(steps: Vec<Step>) {
             | Step::Release(number)
             | Step::Fail(number, _) => {
                 let Some(lease) = lease(&leases, number) else { continue };
-                let before = get(&queue, lease.job).await;
+                let before = get(&*queue, lease.job).await;
                 let late = match step {
                     Step::Tick(_) => {
                         let tick = Tick { events: vec![warning()], ..Tick::default() };
                         queue.tick(&lease, tick).await.unwrap() == TickAnswer::LeaseLost
                     }
-                    Step::Finish(_) => is_late(queue.finish(&lease, Finished::default()).await),
-                    Step::Canceled(_) => is_late(queue.canceled(&lease, Finished::default()).await),
+                    Step::Finish(_) => is_late(queue.finish(&lease, Handover::default()).await),
+                    Step::Canceled(_) => is_late(queue.canceled(&lease, Handover::default()).await),
                     Step::Fail(_, code) => {
-                        is_late(queue.fail(&lease, error(code), Finished::default()).await)
+                        is_late(queue.fail(&lease, error(code), Handover::default()).await)
                     }
                     _ => is_late(queue.release(&lease, vec![]).await),
                 };
                 if late {
                     assert_eq!(
-                        get(&queue, lease.job).await,
+                        get(&*queue, lease.job).await,
                         before,
                         "a lost lease changes nothing"
                     );
@@ -86,13 +87,13 @@ async fn any_history(steps: Vec<Step>) {
             }
         }
         for &id in &jobs {
-            let job = get(&queue, id).await;
+            let job = get(&*queue, id).await;
             assert!(job.attempt <= job.max_attempts);
             assert_eq!(
                 job.state == JobState::Running,
                 job.started_at.is_some() && !job.state.is_terminal()
             );
-            let kinds = kinds(&queue, id).await;
+            let kinds = kinds(&*queue, id).await;
             assert_eq!(kinds.len() as u64, job.last_seq);
             let ends = kinds.iter().filter(|kind| kind.is_terminal()).count();
             assert_eq!(ends, usize::from(job.state.is_terminal()));
@@ -119,6 +120,10 @@ proptest! {
 
     #[test]
     fn no_history_breaks_a_promise(steps in prop::collection::vec(step(), 1..30)) {
-        tokio::runtime::Runtime::new().unwrap().block_on(any_history(steps));
+        let runtime = tokio::runtime::Runtime::new().unwrap();
+        runtime.block_on(async {
+            any_history(Store::Memory, steps.clone()).await;
+            any_history(Store::Sqlite, steps).await;
+        });
     }
 }

@@ -1,50 +1,44 @@
-//! What every queue promises, checked on SQLite in a temporary file: order, leases, attempts,
-//! events, retention, and the blobs that rows name.
+//! What every queue promises, checked on every store: order, leases, attempts, events, retention,
+//! and the blobs that rows name. What is about SQLite alone stands in `sqlite` and
+//! `upgrade`.
 
 mod clients;
 mod history;
 mod leases;
 mod lifecycle;
+mod sqlite;
 mod storage;
-
-use std::time::Duration;
+mod stores;
+mod upgrade;
 
 use jiff::Timestamp;
-use serde_json::json;
-use tempfile::TempDir;
-use uvsegnet::contract::{ErrorCode, JobError, MeshKind, UnwrapOptions};
+use uvsegnet::contract::{ErrorCode, InputRole, JobError, MeshKind, UnwrapOptions, WarningCode};
 use uvsegnet::jobs::{
-    Artifact, Claim, EventKind, Job, JobId, NewEvent, NewJob, Queue, SqliteConfig, SqliteQueue,
-    Worker,
+    Claim, EventData, EventKind, Job, JobId, NewEvent, NewJob, Queue, StoredArtifact, StoredInput,
+    WarningEvent, Worker,
 };
 
-const NOW: Duration = Duration::ZERO;
 const LIMIT: u64 = 1000;
-
-/// A fresh queue and the directory that it lies in.
-async fn fresh(change: impl FnOnce(&mut SqliteConfig)) -> (TempDir, SqliteQueue) {
-    let folder = tempfile::tempdir().unwrap();
-    SqliteQueue::migrate(&file(&folder)).await.unwrap();
-    let mut config = SqliteConfig::new(file(&folder));
-    change(&mut config);
-    let queue = SqliteQueue::open(config, NOW).await.unwrap();
-    (folder, queue)
-}
-
-fn file(folder: &TempDir) -> std::path::PathBuf {
-    folder.path().join("queue.db")
-}
 
 fn new_job() -> NewJob {
     let id = JobId::new();
     NewJob {
         id,
-        kind: MeshKind::Glb,
-        upload: format!("uploads/{id}"),
-        labels: None,
+        inputs: [input(InputRole::Mesh, &format!("uploads/{id}"))].into_iter().collect(),
         options: UnwrapOptions { steps: 7, ..UnwrapOptions::default() },
         tag: String::new(),
         priority: 0,
+    }
+}
+
+fn input(role: InputRole, blob: &str) -> StoredInput {
+    StoredInput {
+        role,
+        name: format!("{}.obj", role.as_str()),
+        kind: (role == InputRole::Mesh).then_some(MeshKind::Obj),
+        sha256: "cd".repeat(32),
+        bytes: 7,
+        blob: blob.into(),
     }
 }
 
@@ -55,6 +49,8 @@ fn worker(id: &str) -> Worker {
         host: "here".into(),
         device: "cpu".into(),
         engine: "1.2.3".into(),
+        weights: Some("sha256:ab".into()),
+        threads: 2,
         draining: false,
         last_seen: Timestamp::now(),
     }
@@ -72,19 +68,27 @@ async fn get(queue: &dyn Queue, id: JobId) -> Job {
     queue.get(id).await.unwrap().expect("the job is there")
 }
 
+/// The blob of a job's mesh.
+fn mesh(job: &Job) -> String {
+    job.inputs.mesh().expect("every job has a mesh").blob.clone()
+}
+
 async fn kinds(queue: &dyn Queue, id: JobId) -> Vec<EventKind> {
     let events = queue.events_after(id, 0, 1000).await.unwrap();
     let seqs: Vec<u64> = events.iter().map(|event| event.seq).collect();
     assert_eq!(seqs, (1..=seqs.len() as u64).collect::<Vec<_>>(), "no gap and no repetition");
-    events.iter().map(|event| event.kind).collect()
+    events.iter().map(|event| event.kind()).collect()
 }
 
 fn warning() -> NewEvent {
-    NewEvent::now(EventKind::Warning, json!({"code": "x", "message": "y"}))
+    NewEvent::now(EventData::Warning(WarningEvent {
+        code: WarningCode::Degraded,
+        message: "y".into(),
+    }))
 }
 
-fn artifact(name: &str, blob: &str) -> Artifact {
-    Artifact {
+fn artifact(name: &str, blob: &str) -> StoredArtifact {
+    StoredArtifact {
         name: name.into(),
         media_type: "text/plain".into(),
         bytes: 3,

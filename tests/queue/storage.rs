@@ -6,26 +6,29 @@ use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures::TryStreamExt;
-use uvsegnet::jobs::{BlobError, BlobFolder, Blobs, Claim, Finished, NewJob, Queue};
+use uvsegnet::contract::InputRole;
+use uvsegnet::jobs::{BlobError, BlobFolder, Blobs, Claim, Handover, NewJob};
 
-use super::{LIMIT, artifact, claim, fresh, get, new_job, submit};
+use super::stores::{Store, on_every_store};
+use super::{LIMIT, artifact, claim, get, input, mesh, new_job, submit};
 
-#[tokio::test]
-async fn blobs_expire_and_the_row_stays() {
-    let (_folder, queue) = fresh(|config| config.retention = Duration::ZERO).await;
-    let (done, waiting) = (submit(&queue).await, submit(&queue).await);
-    let Claim { lease, job } = claim(&queue).await;
+on_every_store!(blobs_expire_and_the_row_stays, what_no_row_names_is_swept,);
+
+async fn blobs_expire_and_the_row_stays(store: Store) {
+    let queue = store.fresh_with(|policy| policy.retention = Duration::ZERO).await;
+    let (done, waiting) = (submit(&*queue).await, submit(&*queue).await);
+    let Claim { lease, job } = claim(&*queue).await;
     assert_eq!(job.id, done);
     let artifacts = vec![artifact("model.glb", "artifacts/x")];
-    queue.finish(&lease, Finished { artifacts, ..Finished::default() }).await.unwrap();
-    assert!(get(&queue, done).await.expired);
+    queue.finish(&lease, Handover { artifacts, ..Handover::default() }).await.unwrap();
+    assert!(get(&*queue, done).await.expired);
     let gone: BTreeSet<_> = queue.expire().await.unwrap().into_iter().collect();
-    assert_eq!(gone, BTreeSet::from(["artifacts/x".to_string(), job.upload.clone()]));
+    assert_eq!(gone, BTreeSet::from(["artifacts/x".to_string(), mesh(&job)]));
     assert!(queue.expire().await.unwrap().is_empty());
-    let over = get(&queue, done).await;
+    let over = get(&*queue, done).await;
     assert!(over.expired && over.artifacts.len() == 1);
-    let kept = get(&queue, waiting).await.upload;
-    let names = [job.upload, kept.clone()];
+    let kept = mesh(&get(&*queue, waiting).await);
+    let names = [mesh(&job), kept.clone()];
     assert_eq!(queue.named(&names).await.unwrap(), BTreeSet::from([kept]));
 }
 
@@ -37,7 +40,7 @@ fn files(folder: &Path) -> usize {
 #[tokio::test]
 async fn a_blob_is_there_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
-    let blobs = Blobs::local(folder.path()).unwrap();
+    let blobs = Blobs::local(folder.path()).await.unwrap();
     let mut writer = blobs.begin(BlobFolder::Uploads).await.unwrap();
     let mut whole = Vec::new();
     for number in 0..13u32 {
@@ -75,19 +78,20 @@ async fn a_blob_is_there_whole_or_not_at_all() {
     assert!(matches!(blobs.get(&stored.name, None).await, Err(BlobError::NotFound(_))));
 }
 
-#[tokio::test]
-async fn what_no_row_names_is_swept() {
-    let (folder, queue) = fresh(|_| {}).await;
+async fn what_no_row_names_is_swept(store: Store) {
+    let queue = store.fresh().await;
+    let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("blobs");
-    let blobs = Blobs::local(&root).unwrap();
+    let blobs = Blobs::open(&format!("file://{}", root.display())).await.unwrap();
     let kept = blobs.put(BlobFolder::Uploads, Bytes::from_static(b"kept")).await.unwrap();
-    queue.submit(NewJob { upload: kept.name.clone(), ..new_job() }, LIMIT).await.unwrap();
+    let inputs = [input(InputRole::Mesh, &kept.name)].into_iter().collect();
+    queue.submit(NewJob { inputs, ..new_job() }, LIMIT).await.unwrap();
     let orphan = blobs.put(BlobFolder::Artifacts, Bytes::from_static(b"orphan")).await.unwrap();
     std::fs::write(root.join("uploads/left-by-a-dead-writer#1"), b"half").unwrap();
 
     let grace = Duration::from_secs(3600);
-    assert_eq!(blobs.sweep_orphans(&queue, grace).await.unwrap(), 0, "their rows may come yet");
-    assert_eq!(blobs.sweep_orphans(&queue, Duration::ZERO).await.unwrap(), 2);
+    assert_eq!(blobs.sweep_orphans(&*queue, grace).await.unwrap(), 0, "their rows may come yet");
+    assert_eq!(blobs.sweep_orphans(&*queue, Duration::ZERO).await.unwrap(), 2);
     assert_eq!(blobs.read(&kept.name).await.unwrap(), "kept");
     assert!(matches!(blobs.read(&orphan.name).await, Err(BlobError::NotFound(_))));
     assert_eq!(files(&root), 1);

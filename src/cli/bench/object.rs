@@ -50,7 +50,7 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
     let files = Files::read(path, None)?;
     let unwrapped = unwrap(&files, arms.options, arms.engine)?;
     let input = files.input();
-    let scene = mesh::import(input.bytes, input.kind, &Limits::default())?;
+    let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
     let surface = mesh::condition(&scene, &Run::quiet())?;
     drop(scene);
     let mut line = Map::new();

@@ -13,7 +13,7 @@ use crate::contract::{ArtifactKind, ErrorCode};
 use crate::http::conditional::{ETag, Range};
 use crate::http::docs::{FileBytes, refusals};
 use crate::http::{AppState, ArtifactBody, ArtifactList, Problem};
-use crate::jobs::{Artifact, BlobError, Job};
+use crate::jobs::{BlobError, Job, StoredArtifact};
 
 /// A picture or a model never runs a script in the name of this service.
 const SANDBOX: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox";
@@ -132,7 +132,7 @@ fn describe(
     response: axum::http::response::Builder,
     status: StatusCode,
     etag: &ETag,
-    artifact: &Artifact,
+    artifact: &StoredArtifact,
 ) -> axum::http::response::Builder {
     response
         .status(status)
@@ -158,7 +158,7 @@ fn expired(name: &str) -> Problem {
     Problem::new(ErrorCode::ArtifactExpired, detail)
 }
 
-fn outside(artifact: &Artifact) -> Problem {
+fn outside(artifact: &StoredArtifact) -> Problem {
     let detail = format!("Range: {} has {} bytes", artifact.name, artifact.bytes);
     let length = HeaderValue::from_str(&format!("bytes */{}", artifact.bytes));
     let problem = Problem::new(ErrorCode::RangeNotSatisfiable, detail);

@@ -10,10 +10,11 @@ use serde::Deserialize;
 use crate::contract::ErrorCode;
 use crate::http::conditional::ETag;
 use crate::http::docs::{FileBytes, JobForm, refusals};
-use crate::http::upload::Upload;
+use crate::http::upload::{Received, Upload};
 use crate::http::{AppState, JobBody, JobList, Problem, prefer, wait};
 use crate::jobs::{
-    BlobError, Blobs, CancelOutcome, Deleted, Job, JobId, JobState, ListFilter, NewJob,
+    BlobError, Blobs, CancelOutcome, Deleted, Job, JobId, JobState, ListFilter, NewJob, StoredBlob,
+    StoredInput,
 };
 
 /// Seconds after which a client may look at a job again.
@@ -73,22 +74,22 @@ pub async fn submit(State(state): State<AppState>, request: Request) -> Result<R
 
 /// Put the blobs in place, then the row that names them; take the blobs away if that fails.
 async fn enqueue(state: AppState, upload: Upload) -> Result<Job, Problem> {
-    let mesh = upload.mesh.finish().await?.name;
-    let labels = match upload.labels {
-        None => None,
-        Some(labels) => match labels.finish().await {
-            Ok(blob) => Some(blob.name),
+    let mut placed = Vec::new();
+    for Received { role, name, kind, blob } in upload.inputs {
+        match blob.finish().await {
+            Ok(StoredBlob { name: blob, bytes, sha256 }) => {
+                placed.push(StoredInput { role, name, kind, sha256, bytes, blob });
+            }
             Err(error) => {
-                discard(&state.blobs, [mesh]).await;
+                discard(&state.blobs, placed.into_iter().map(|input| input.blob)).await;
                 return Err(error.into());
             }
-        },
-    };
+        }
+    }
+    let blobs: Vec<_> = placed.iter().map(|input| input.blob.clone()).collect();
     let job = NewJob {
         id: JobId::new(),
-        kind: upload.kind,
-        upload: mesh.clone(),
-        labels: labels.clone(),
+        inputs: placed.into_iter().collect(),
         options: upload.options,
         tag: upload.tag,
         priority: 0,
@@ -96,7 +97,7 @@ async fn enqueue(state: AppState, upload: Upload) -> Result<Job, Problem> {
     match state.queue.submit(job, state.limits.queued_jobs).await {
         Ok(job) => Ok(job),
         Err(error) => {
-            discard(&state.blobs, [mesh].into_iter().chain(labels)).await;
+            discard(&state.blobs, blobs).await;
             Err(error.into())
         }
     }

@@ -1,4 +1,5 @@
-//! A mesh in a form (RFC 7578): the parts `file`, `options` and `labels`, each once, in any order.
+//! A mesh in a form (RFC 7578): the part `file` holds it, `options` says what to do, and every other
+//! role of an input has a part of its own; each once, in any order.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -11,8 +12,8 @@ use bytes::Bytes;
 use futures::StreamExt;
 
 use super::mesh::Mesh;
-use super::{Upload, essence, kind_of};
-use crate::contract::{MeshKind, UnwrapOptions};
+use super::{Received, Upload, essence, kind_of};
+use crate::contract::{InputRole, MeshKind, UnwrapOptions};
 use crate::http::incoming::{BodyError, counted, too_large};
 use crate::http::{AppState, Problem};
 use crate::jobs::{BlobFolder, BlobWriter};
@@ -20,6 +21,8 @@ use crate::jobs::{BlobFolder, BlobWriter};
 /// Bytes that a form may have outside of its parts, in their headers and boundaries. The reader of
 /// forms holds those in memory, so they are bounded by themselves.
 const FRAMING: u64 = 4 << 20;
+/// Characters of a file's name.
+const FILE_NAME: usize = 255;
 /// Bytes of the `options` part.
 const OPTIONS: usize = 1 << 20;
 
@@ -41,15 +44,16 @@ pub async fn receive(state: &AppState, request: Request) -> Result<Upload, Probl
     let mut form = Multipart::from_request(request, &())
         .await
         .map_err(|error| Problem::malformed(error.body_text()))?;
-    let mut parts = Parts { state, untaken, left: most, mesh: None, labels: None, options: None };
+    let mut parts = Parts { state, untaken, left: most, inputs: Vec::new(), options: None };
     while let Some(field) = form.next_field().await.map_err(|error| broken(&error, most))? {
         parts.read(field).await?;
     }
-    let Some((mesh, kind)) = parts.mesh else {
-        return Err(Problem::malformed("The part \"file\" is missing: it holds the mesh"));
-    };
+    if !parts.has(InputRole::Mesh) {
+        let (part, holds) = (InputRole::Mesh.form_part(), InputRole::Mesh.holds());
+        return Err(Problem::malformed(format!("The part {part:?} is missing: it {holds}")));
+    }
     let options = parts.options.unwrap_or_default();
-    Ok(Upload { mesh, kind, labels: parts.labels, options, tag: String::new() })
+    Ok(Upload { inputs: parts.inputs, options, tag: String::new() })
 }
 
 /// The parts, as they come.
@@ -59,8 +63,7 @@ struct Parts<'a> {
     untaken: Arc<AtomicU64>,
     /// Bytes that the parts may still have.
     left: u64,
-    mesh: Option<(BlobWriter, MeshKind)>,
-    labels: Option<BlobWriter>,
+    inputs: Vec<Received>,
     options: Option<UnwrapOptions>,
 }
 
@@ -71,27 +74,28 @@ impl Parts<'_> {
             true => Err(Problem::malformed(format!("The part {name:?} came twice; send it once"))),
             false => Ok(()),
         };
-        match name.as_str() {
-            "file" => {
-                twice(self.mesh.is_some())?;
-                self.mesh = Some(self.mesh(field).await?);
-            }
-            "labels" => {
-                twice(self.labels.is_some())?;
-                self.labels = Some(self.labels(field).await?);
-            }
-            "options" => {
-                twice(self.options.is_some())?;
-                self.options = Some(self.options(field).await?);
-            }
-            _ => {
-                return Err(Problem::malformed(format!(
-                    "The part {name:?} is not known; a form has the parts \"file\", \"options\" and \
-                     \"labels\""
-                )));
-            }
+        if name == "options" {
+            twice(self.options.is_some())?;
+            self.options = Some(self.options(field).await?);
+            return Ok(());
         }
+        let role = InputRole::ALL.iter().copied().find(|role| role.form_part() == name);
+        let role = role.ok_or_else(|| unknown(&name))?;
+        twice(self.has(role))?;
+        let file_name = field.file_name().unwrap_or_default().chars().take(FILE_NAME).collect();
+        let input = match role {
+            InputRole::Mesh => Received::mesh(file_name, self.mesh(field).await?),
+            role => {
+                let blob = self.beside(role, field).await?;
+                Received { role, name: file_name, kind: None, blob }
+            }
+        };
+        self.inputs.push(input);
         Ok(())
+    }
+
+    fn has(&self, role: InputRole) -> bool {
+        self.inputs.iter().any(|input| input.role == role)
     }
 
     async fn mesh(&mut self, mut field: Field<'_>) -> Result<(BlobWriter, MeshKind), Problem> {
@@ -106,16 +110,20 @@ impl Parts<'_> {
         mesh.end()
     }
 
-    async fn labels(&mut self, mut field: Field<'_>) -> Result<BlobWriter, Problem> {
-        let mut labels = self.state.blobs.begin(BlobFolder::Uploads).await?;
+    async fn beside(
+        &mut self,
+        role: InputRole,
+        mut field: Field<'_>,
+    ) -> Result<BlobWriter, Problem> {
+        let mut blob = self.state.blobs.begin(BlobFolder::Uploads).await?;
         while let Some(chunk) = self.chunk(&mut field).await? {
-            labels.write(chunk).await?;
+            blob.write(chunk).await?;
         }
-        if labels.is_empty() {
-            let detail = "The part \"labels\" is empty; it has one integer a line, one line a face";
-            return Err(Problem::malformed(detail));
+        if blob.is_empty() {
+            let (part, holds) = (role.form_part(), role.holds());
+            return Err(Problem::malformed(format!("The part {part:?} is empty; it {holds}")));
         }
-        Ok(labels)
+        Ok(blob)
     }
 
     async fn options(&mut self, mut field: Field<'_>) -> Result<UnwrapOptions, Problem> {
@@ -137,6 +145,17 @@ impl Parts<'_> {
         self.left = self.left.checked_sub(length).ok_or_else(|| too_large(most))?;
         Ok(chunk)
     }
+}
+
+fn unknown(name: &str) -> Problem {
+    let mut parts: Vec<_> = InputRole::ALL.iter().map(|role| role.form_part()).collect();
+    parts.insert(1, "options");
+    let (last, others) = parts.split_last().map_or(("", &[][..]), |(last, others)| (*last, others));
+    let others: Vec<_> = others.iter().map(|part| format!("{part:?}")).collect();
+    let others = others.join(", ");
+    Problem::malformed(format!(
+        "The part {name:?} is not known; a form has the parts {others} and {last:?}"
+    ))
 }
 
 fn parse_options(text: &[u8]) -> Result<UnwrapOptions, Problem> {

@@ -73,7 +73,7 @@ mod tests {
     #[tokio::test]
     async fn bytes_decide_over_any_chunking() {
         let folder = tempfile::tempdir().unwrap();
-        let blobs = Blobs::local(folder.path()).unwrap();
+        let blobs = Blobs::local(folder.path()).await.unwrap();
         let text = format!("# {}\nv 0 0 0\n", "x".repeat(MeshKind::PREFIX));
         for size in [1, 7, 4096, 9000] {
             let mut mesh = Mesh::begin(&blobs, None).await.unwrap();
@@ -88,7 +88,7 @@ mod tests {
     #[tokio::test]
     async fn what_is_wrong_has_its_code() {
         let folder = tempfile::tempdir().unwrap();
-        let blobs = Blobs::local(folder.path()).unwrap();
+        let blobs = Blobs::local(folder.path()).await.unwrap();
         for (bytes, declared, code) in [
             ("", None, ErrorCode::MalformedRequest),
             ("hello world", None, ErrorCode::UnsupportedMediaType),

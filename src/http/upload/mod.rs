@@ -12,7 +12,7 @@ use futures::StreamExt;
 use self::mesh::Mesh;
 use super::incoming::counted;
 use super::{AppState, Problem};
-use crate::contract::{ErrorCode, Limits, MeshKind, OptionError, UnwrapOptions};
+use crate::contract::{ErrorCode, InputRole, Limits, MeshKind, OptionError, UnwrapOptions};
 use crate::jobs::BlobWriter;
 
 /// Characters of a tag.
@@ -20,16 +20,31 @@ const TAG: usize = 128;
 
 /// A request that was read to its end and found right. Dropped, it leaves nothing behind.
 pub struct Upload {
-    /// The mesh.
-    pub mesh: BlobWriter,
-    /// What its bytes are.
-    pub kind: MeshKind,
-    /// The part labels, where there are some.
-    pub labels: Option<BlobWriter>,
+    /// The files, a mesh among them.
+    pub inputs: Vec<Received>,
     /// What to do.
     pub options: UnwrapOptions,
     /// The client's word for it.
     pub tag: String,
+}
+
+/// A file that has come, and is not in place yet.
+pub struct Received {
+    /// What it is for.
+    pub role: InputRole,
+    /// Its name, as the client gave it, cut to 255 characters; empty where it gave none.
+    pub name: String,
+    /// What kind of file a mesh is.
+    pub kind: Option<MeshKind>,
+    /// The file.
+    pub blob: BlobWriter,
+}
+
+impl Received {
+    /// A mesh whose bytes have told its kind.
+    fn mesh(name: String, (blob, kind): (BlobWriter, MeshKind)) -> Self {
+        Self { role: InputRole::Mesh, name, kind: Some(kind), blob }
+    }
 }
 
 impl Upload {
@@ -62,8 +77,8 @@ async fn bare(
     while let Some(chunk) = body.next().await {
         mesh.write(chunk?).await?;
     }
-    let (mesh, kind) = mesh.end()?;
-    Ok(Upload { mesh, kind, labels: None, options, tag: String::new() })
+    let inputs = vec![Received::mesh(String::new(), mesh.end()?)];
+    Ok(Upload { inputs, options, tag: String::new() })
 }
 
 /// How the `Content-Type` says that the mesh comes.

@@ -4,37 +4,26 @@ use jiff::Timestamp;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Row};
 
-use super::{Event, JobId, NewEvent, QueueError, SqliteQueue};
-use crate::jobs::sqlite::rows::{read, time};
+use super::rows::{self, read, time};
+use super::{Event, JobId, QueueError, SqliteQueue};
+use crate::jobs::EventData;
+use crate::jobs::states::Change;
 
 const SELECT: &str = "SELECT event_id, job_id, seq, kind, data, at FROM job_events";
 
-/// Write events of a job that this transaction may change.
+/// Write the events of a change, the last of which has the job's latest number.
 pub async fn append(
     connection: &mut SqliteConnection,
     id: JobId,
-    events: &[NewEvent],
+    change: &Change,
 ) -> Result<(), QueueError> {
-    if events.is_empty() {
-        return Ok(());
-    }
-    let id = id.to_string();
-    let count = events.len() as i64;
-    let last: i64 = sqlx::query_scalar("SELECT last_seq FROM jobs WHERE id = ?")
-        .bind(&id)
-        .fetch_one(&mut *connection)
-        .await?;
-    sqlx::query("UPDATE jobs SET last_seq = last_seq + ?, revision = revision + 1 WHERE id = ?")
-        .bind(count)
-        .bind(&id)
-        .execute(&mut *connection)
-        .await?;
-    for (event, seq) in events.iter().zip(last + 1..) {
+    let first = change.standing.last_seq + 1 - change.events.len() as u64;
+    for (event, seq) in change.events.iter().zip(first..) {
         sqlx::query("INSERT INTO job_events (job_id, seq, kind, data, at) VALUES (?, ?, ?, ?, ?)")
-            .bind(&id)
-            .bind(seq)
-            .bind(event.kind.as_str())
-            .bind(event.data.to_string())
+            .bind(id.to_string())
+            .bind(seq as i64)
+            .bind(event.kind().as_str())
+            .bind(rows::json(&event.data)?)
             .bind(event.at.as_microsecond())
             .execute(&mut *connection)
             .await?;
@@ -79,14 +68,14 @@ fn event(row: &SqliteRow) -> Result<Event, QueueError> {
     let event_id: i64 = row.try_get("event_id")?;
     let bad = |why: String| QueueError::Row { what: format!("event {event_id}"), why };
     let kind: String = row.try_get("kind")?;
-    let data: String = row.try_get("data")?;
+    let json: String = row.try_get("data")?;
+    let data = EventData::read(kind.parse().map_err(bad)?, &json);
     let at: Option<Timestamp> = time(row.try_get("at")?);
     Ok(Event {
         event_id,
         job_id: read(row, "job_id")?,
         seq: row.try_get::<i64, _>("seq")?.unsigned_abs(),
-        kind: kind.parse().map_err(bad)?,
-        data: serde_json::from_str(&data).map_err(|error| bad(error.to_string()))?,
+        data: data.map_err(|error| bad(error.to_string()))?,
         at: at.unwrap_or_default(),
     })
 }

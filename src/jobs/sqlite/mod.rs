@@ -7,8 +7,9 @@ mod events;
 mod leases;
 mod rows;
 mod schema;
-mod transitions;
 mod upkeep;
+mod watch;
+mod write;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -23,9 +24,11 @@ use sqlx::{Sqlite, Transaction};
 
 use crate::contract::JobError;
 
+use super::states::Ending;
 use super::{
-    CancelOutcome, Changes, Claim, Deleted, Event, Finished, Job, JobId, JobState, Lease,
-    ListFilter, NewEvent, NewJob, Page, Queue, QueueError, Stats, Swept, Tick, TickAnswer, Worker,
+    CancelOutcome, Changes, Claim, Deleted, Event, Handover, Job, JobId, JobState, Keep, Lease,
+    ListFilter, NewEvent, NewJob, Page, Policy, QueueError, Stats, Submit, Swept, Tick, TickAnswer,
+    Work, Worker,
 };
 
 /// How long a write waits for another process's write.
@@ -34,37 +37,13 @@ const BUSY: Duration = Duration::from_secs(20);
 /// Connections that read.
 const READERS: u32 = 4;
 
-/// What the queue is to keep to.
-#[derive(Debug, Clone)]
-pub struct SqliteConfig {
-    /// The database file, on a local disk.
-    pub file: PathBuf,
-    /// How long a lease lasts without being extended.
-    pub lease: Duration,
-    /// Attempts a job gets.
-    pub max_attempts: u32,
-    /// How long uploads and artifacts are kept once a job is over.
-    pub retention: Duration,
-}
-
-impl SqliteConfig {
-    /// The usual values: leases of 30 s, 3 attempts, 7 days.
-    pub fn new(file: impl Into<PathBuf>) -> Self {
-        Self {
-            file: file.into(),
-            lease: Duration::from_secs(30),
-            max_attempts: 3,
-            retention: Duration::from_secs(7 * 24 * 3600),
-        }
-    }
-}
-
 /// The queue in a SQLite file. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct SqliteQueue {
     writer: SqlitePool,
     reader: SqlitePool,
-    config: SqliteConfig,
+    file: PathBuf,
+    policy: Policy,
 }
 
 impl SqliteQueue {
@@ -76,22 +55,23 @@ impl SqliteQueue {
 
     /// Open the queue. Waits up to `patience` for a server to bring the schema to exactly the
     /// version that this program knows, and refuses after that.
-    pub async fn open(config: SqliteConfig, patience: Duration) -> Result<Self, QueueError> {
-        disk::refuse_network(&config.file)?;
-        schema::wait(&config.file, patience).await?;
-        let options = connect_options(&config.file);
+    pub async fn open(file: &Path, policy: Policy, patience: Duration) -> Result<Self, QueueError> {
+        disk::refuse_network(file)?;
+        schema::wait(file, patience).await?;
+        let options = connect_options(file);
         let writer = SqlitePoolOptions::new().max_connections(1).min_connections(1);
         let reader = SqlitePoolOptions::new().max_connections(READERS);
         Ok(Self {
             writer: writer.connect_with(options.clone()).await?,
             reader: reader.connect_with(options.pragma("query_only", "ON")).await?,
-            config,
+            file: file.to_path_buf(),
+            policy,
         })
     }
 
     /// Watch for commits.
     pub fn changes(&self) -> Changes {
-        Changes::watch(connect_options(&self.config.file).pragma("query_only", "ON"))
+        watch::watch(connect_options(&self.file).pragma("query_only", "ON"))
     }
 
     /// A transaction that holds the write lock from its first statement, so that what it reads
@@ -126,17 +106,23 @@ impl From<sqlx::Error> for QueueError {
     }
 }
 
-/// Now, as times are stored.
-fn now_us() -> i64 {
-    Timestamp::now().as_microsecond()
+/// Now, to the microsecond, as times are stored.
+fn now() -> Timestamp {
+    Timestamp::from_microsecond(Timestamp::now().as_microsecond()).unwrap_or_default()
 }
 
-fn micros(duration: Duration) -> i64 {
-    i64::try_from(duration.as_micros()).unwrap_or(i64::MAX / 4)
+/// A time as it is stored; none is 0.
+fn since_epoch(time: Option<Timestamp>) -> i64 {
+    time.map_or(0, |time| time.as_microsecond())
+}
+
+/// The time so long ago, as it is stored.
+fn ago(duration: Duration) -> i64 {
+    now().checked_sub(duration).unwrap_or(Timestamp::MIN).as_microsecond()
 }
 
 #[async_trait]
-impl Queue for SqliteQueue {
+impl Submit for SqliteQueue {
     async fn submit(&self, job: NewJob, limit: u64) -> Result<Job, QueueError> {
         client::submit(self, job, limit).await
     }
@@ -177,13 +163,16 @@ impl Queue for SqliteQueue {
     async fn stats(&self) -> Result<Stats, QueueError> {
         upkeep::stats(self).await
     }
+}
 
+#[async_trait]
+impl Work for SqliteQueue {
     async fn register(&self, worker: &Worker) -> Result<(), QueueError> {
         upkeep::register(self, worker).await
     }
 
-    async fn worker_gone(&self, worker: &str) -> Result<Swept, QueueError> {
-        upkeep::worker_gone(self, worker).await
+    async fn leave(&self, worker: &str) -> Result<(), QueueError> {
+        upkeep::worker_gone(self, worker).await.map(|_| ())
     }
 
     async fn claim(&self, worker: &Worker) -> Result<Option<Claim>, QueueError> {
@@ -194,25 +183,32 @@ impl Queue for SqliteQueue {
         leases::tick(self, lease, tick).await
     }
 
-    async fn finish(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
-        leases::end(self, lease, leases::Ending::Succeeded, finished).await.map(|_| ())
+    async fn finish(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError> {
+        leases::end(self, lease, Ending::Succeeded, handover).await.map(|_| ())
     }
 
     async fn fail(
         &self,
         lease: &Lease,
         error: JobError,
-        finished: Finished,
+        handover: Handover,
     ) -> Result<JobState, QueueError> {
-        leases::end(self, lease, leases::Ending::Failed(error), finished).await
+        leases::end(self, lease, Ending::Failed(error), handover).await
     }
 
-    async fn canceled(&self, lease: &Lease, finished: Finished) -> Result<(), QueueError> {
-        leases::end(self, lease, leases::Ending::Canceled, finished).await.map(|_| ())
+    async fn canceled(&self, lease: &Lease, handover: Handover) -> Result<(), QueueError> {
+        leases::end(self, lease, Ending::Canceled, handover).await.map(|_| ())
     }
 
     async fn release(&self, lease: &Lease, events: Vec<NewEvent>) -> Result<(), QueueError> {
-        leases::release(self, lease, &events).await
+        leases::release(self, lease, events).await
+    }
+}
+
+#[async_trait]
+impl Keep for SqliteQueue {
+    async fn worker_gone(&self, worker: &str) -> Result<Swept, QueueError> {
+        upkeep::worker_gone(self, worker).await
     }
 
     async fn sweep(&self) -> Result<Swept, QueueError> {

@@ -15,9 +15,15 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Every migration, in order. One that was released is never edited: its checksum is stored.
 fn migrations() -> Migrator {
-    let sql = SqlStr::from_static(include_str!("../../../migrations/sqlite/0001_jobs.sql"));
-    let jobs = Migration::new(1, "jobs".into(), MigrationType::Simple, sql, false);
-    Migrator::with_migrations(vec![jobs])
+    const SQL: [(&str, &str); 2] = [
+        ("jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
+        ("job inputs", include_str!("../../../migrations/sqlite/0002_job_inputs.sql")),
+    ];
+    let migrations = SQL.into_iter().zip(1..).map(|((name, sql), version)| {
+        let sql = SqlStr::from_static(sql);
+        Migration::new(version, name.into(), MigrationType::Simple, sql, false)
+    });
+    Migrator::with_migrations(migrations.collect())
 }
 
 /// Bring the schema up to date. sqlx has no migration lock for SQLite, so a file lock beside the

@@ -1,22 +1,18 @@
 //! Workers that come and go, leases that lapse, blobs whose time is over.
 
 use std::collections::BTreeSet;
-use std::time::Duration;
 
-use sqlx::Row;
-use sqlx::sqlite::SqliteRow;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{QueryBuilder, Row};
 
-use super::transitions::{Gone, take_back};
-use super::{QueueError, SqliteQueue, Stats, Swept, Worker, micros, now_us, rows};
-use crate::jobs::WORKER_ALIVE;
-
-/// A worker not seen for this long is forgotten.
-const FORGOTTEN: Duration = Duration::from_secs(600);
+use super::{QueueError, SqliteQueue, Stats, Swept, Worker, ago, now, rows, write};
+use crate::jobs::states::{Command, Gone, Policy, apply};
+use crate::jobs::worker::{WORKER_ALIVE, WORKER_FORGOTTEN};
 
 pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueError> {
     sqlx::query(
-        "INSERT INTO workers (id, pid, host, device, engine, draining, last_seen)
-         VALUES (?, ?, ?, ?, ?, ?, ?)
+        "INSERT INTO workers (id, pid, host, device, engine, weights, threads, draining, last_seen)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
          ON CONFLICT (id) DO UPDATE SET draining = excluded.draining,
              last_seen = excluded.last_seen",
     )
@@ -25,8 +21,10 @@ pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueE
     .bind(&worker.host)
     .bind(&worker.device)
     .bind(&worker.engine)
+    .bind(worker.weights.as_deref().unwrap_or_default())
+    .bind(worker.threads)
     .bind(worker.draining)
-    .bind(now_us())
+    .bind(now().as_microsecond())
     .execute(&queue.writer)
     .await?;
     Ok(())
@@ -34,19 +32,41 @@ pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueE
 
 pub async fn worker_gone(queue: &SqliteQueue, worker: &str) -> Result<Swept, QueueError> {
     let mut tx = queue.begin().await?;
-    let swept = take_back(&mut tx, &queue.config, Gone::Worker(worker)).await?;
+    let swept = take_back(&mut tx, &queue.policy, Gone::Worker(worker)).await?;
     sqlx::query("DELETE FROM workers WHERE id = ?").bind(worker).execute(&mut *tx).await?;
     tx.commit().await?;
     Ok(swept)
 }
 
+/// Take back the jobs of workers that are gone.
+pub async fn take_back(
+    connection: &mut SqliteConnection,
+    policy: &Policy,
+    gone: Gone<'_>,
+) -> Result<Swept, QueueError> {
+    let mut query = QueryBuilder::new("SELECT * FROM jobs WHERE state = 'running' AND ");
+    match gone {
+        Gone::Worker(worker) => query.push("worker = ").push_bind(worker.to_owned()),
+        Gone::Lapsed => query.push("lease_until < ").push_bind(now().as_microsecond()),
+    };
+    let mut swept = Swept::default();
+    for row in query.build().fetch_all(&mut *connection).await? {
+        let (id, before) = (rows::read(&row, "id")?, rows::standing_of(&row)?);
+        if let Ok(change) = apply(&before, Command::TakeBack(gone), policy, now()) {
+            write::change(connection, id, &before, &change).await?;
+            swept += change.effects.swept;
+        }
+    }
+    Ok(swept)
+}
+
 pub async fn sweep(queue: &SqliteQueue) -> Result<Swept, QueueError> {
-    let forgotten = now_us().saturating_sub(micros(FORGOTTEN));
+    let forgotten = ago(WORKER_FORGOTTEN);
     let anything: bool = sqlx::query_scalar(
         "SELECT EXISTS (SELECT 1 FROM jobs WHERE state = 'running' AND lease_until < ?)
              OR EXISTS (SELECT 1 FROM workers WHERE last_seen < ?)",
     )
-    .bind(now_us())
+    .bind(now().as_microsecond())
     .bind(forgotten)
     .fetch_one(&queue.reader)
     .await?;
@@ -54,7 +74,7 @@ pub async fn sweep(queue: &SqliteQueue) -> Result<Swept, QueueError> {
         return Ok(Swept::default());
     }
     let mut tx = queue.begin().await?;
-    let swept = take_back(&mut tx, &queue.config, Gone::Lapsed).await?;
+    let swept = take_back(&mut tx, &queue.policy, Gone::Lapsed).await?;
     sqlx::query("DELETE FROM workers WHERE last_seen < ?")
         .bind(forgotten)
         .execute(&mut *tx)
@@ -74,9 +94,8 @@ pub async fn stats(queue: &SqliteQueue) -> Result<Stats, QueueError> {
     )
     .fetch_one(&mut *tx)
     .await?;
-    let alive = now_us().saturating_sub(micros(WORKER_ALIVE));
     let workers = sqlx::query("SELECT * FROM workers WHERE last_seen >= ? ORDER BY id")
-        .bind(alive)
+        .bind(ago(WORKER_ALIVE))
         .fetch_all(&mut *tx)
         .await?;
     Ok(Stats {
@@ -101,39 +120,33 @@ fn worker_of(row: &SqliteRow) -> Result<Worker, QueueError> {
         host: row.try_get("host")?,
         device: row.try_get("device")?,
         engine: row.try_get("engine")?,
+        weights: rows::word(row, "weights")?,
+        threads: row.try_get("threads")?,
         draining: row.try_get("draining")?,
         last_seen: rows::time(row.try_get("last_seen")?).unwrap_or_default(),
     })
 }
 
 pub async fn expire(queue: &SqliteQueue) -> Result<Vec<String>, QueueError> {
-    let now = now_us();
-    let due: Vec<String> = sqlx::query_scalar(
-        "SELECT id FROM jobs WHERE expires_at > 0 AND expired = 0 AND expires_at <= ?",
-    )
-    .bind(now)
-    .fetch_all(&queue.reader)
-    .await?;
-    if due.is_empty() {
-        return Ok(Vec::new());
+    const DUE: &str = "FROM jobs WHERE expires_at > 0 AND expired = 0 AND expires_at <= ";
+    let mut query = QueryBuilder::new("SELECT EXISTS (SELECT 1 ");
+    query.push(DUE).push_bind(now().as_microsecond()).push(")");
+    let anything: bool = query.build_query_scalar().fetch_one(&queue.reader).await?;
+    let mut gone = Vec::new();
+    if !anything {
+        return Ok(gone);
     }
-    let due = rows::json(&due)?;
     let mut tx = queue.begin().await?;
-    let blobs = sqlx::query_scalar(
-        "DELETE FROM blobs WHERE job_id IN (SELECT value FROM json_each(?)) RETURNING name",
-    )
-    .bind(&due)
-    .fetch_all(&mut *tx)
-    .await?;
-    sqlx::query(
-        "UPDATE jobs SET expired = 1, revision = revision + 1
-         WHERE id IN (SELECT value FROM json_each(?))",
-    )
-    .bind(&due)
-    .execute(&mut *tx)
-    .await?;
+    let mut query = QueryBuilder::new("SELECT * ");
+    query.push(DUE).push_bind(now().as_microsecond());
+    for row in query.build().fetch_all(&mut *tx).await? {
+        let (id, before) = (rows::read(&row, "id")?, rows::standing_of(&row)?);
+        if let Ok(change) = apply(&before, Command::Expire, &queue.policy, now()) {
+            gone.extend(write::change(&mut tx, id, &before, &change).await?);
+        }
+    }
     tx.commit().await?;
-    Ok(blobs)
+    Ok(gone)
 }
 
 pub async fn named(queue: &SqliteQueue, blobs: &[String]) -> Result<BTreeSet<String>, QueueError> {

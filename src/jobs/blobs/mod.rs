@@ -1,6 +1,9 @@
 //! Uploads and artifacts: byte strings with a drawn name. A blob is written under a temporary name,
 //! synced and put in place before the row that names it commits; what no row names is swept away.
 
+mod folder;
+mod place;
+
 use std::ops::Range;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
@@ -15,7 +18,8 @@ use object_store::{GetOptions, GetRange, MultipartUpload, ObjectStore, ObjectSto
 use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
-use super::{Queue, QueueError};
+use self::folder::Folder;
+use super::{Keep, QueueError};
 
 /// Bytes gathered before a part is written: the least that S3 takes.
 const PART: usize = 5 << 20;
@@ -35,6 +39,14 @@ pub enum BlobError {
     /// Anything else.
     #[error("blob store: {0}")]
     Store(#[source] object_store::Error),
+    /// Blobs cannot be kept there.
+    #[error("blobs cannot be kept in {place:?}: {why}")]
+    Place {
+        /// What was said.
+        place: String,
+        /// Why not.
+        why: &'static str,
+    },
     /// The directory of a local store cannot be used.
     #[error("blob directory {}: {source}", path.display())]
     Directory {
@@ -82,6 +94,8 @@ pub enum BlobFolder {
 }
 
 impl BlobFolder {
+    const ALL: [BlobFolder; 2] = [BlobFolder::Uploads, BlobFolder::Artifacts];
+
     fn as_str(self) -> &'static str {
         match self {
             BlobFolder::Uploads => "uploads",
@@ -105,20 +119,23 @@ pub struct StoredBlob {
 #[derive(Debug, Clone)]
 pub struct Blobs {
     store: Arc<dyn ObjectStore>,
-    /// Where the files of a local store lie.
-    root: PathBuf,
+    /// Where a store that is local lies.
+    local: Option<Folder>,
 }
 
 impl Blobs {
+    /// The store at this place: `file:///PATH`, or a path as it is.
+    pub async fn open(place: &str) -> Result<Self, BlobError> {
+        Self::local(&place::directory(place)?).await
+    }
+
     /// A store in a local directory, which is made if need be.
-    pub fn local(root: &FilePath) -> Result<Self, BlobError> {
-        let fail = |source| BlobError::Directory { path: root.to_path_buf(), source };
-        for folder in [BlobFolder::Uploads, BlobFolder::Artifacts] {
-            std::fs::create_dir_all(root.join(folder.as_str())).map_err(fail)?;
-        }
+    pub async fn local(root: &FilePath) -> Result<Self, BlobError> {
+        let folder = Folder::new(root);
+        folder.make().await?;
         // It does not sync by default, and a 202 is a promise that survives a power loss.
         let store = LocalFileSystem::new_with_prefix(root)?.with_fsync(true);
-        Ok(Self { store: Arc::new(store), root: root.to_path_buf() })
+        Ok(Self { store: Arc::new(store), local: Some(folder) })
     }
 
     /// Begin a blob. It is under a temporary name until [`BlobWriter::finish`], and gone if the
@@ -166,7 +183,7 @@ impl Blobs {
     /// take from the end of an upload to the commit of its row.
     pub async fn sweep_orphans(
         &self,
-        queue: &dyn Queue,
+        queue: &dyn Keep,
         grace: Duration,
     ) -> Result<u64, OrphanError> {
         let now = SystemTime::now();
@@ -188,26 +205,8 @@ impl Blobs {
                 gone += 1;
             }
         }
-        Ok(gone + self.sweep_temporary(now, grace)?)
-    }
-
-    /// Temporary files (`name#1`) are not listed by the store, so a local one is looked through.
-    fn sweep_temporary(&self, now: SystemTime, grace: Duration) -> Result<u64, BlobError> {
-        let fail = |source| BlobError::Directory { path: self.root.clone(), source };
-        let mut gone = 0;
-        for folder in [BlobFolder::Uploads, BlobFolder::Artifacts] {
-            for entry in std::fs::read_dir(self.root.join(folder.as_str())).map_err(fail)? {
-                let entry = entry.map_err(fail)?;
-                let temporary = entry.file_name().to_string_lossy().contains('#');
-                // A file that went in the meantime has no age.
-                let Ok(modified) = entry.metadata().and_then(|data| data.modified()) else {
-                    continue;
-                };
-                let age = now.duration_since(modified).unwrap_or_default();
-                if temporary && age >= grace && std::fs::remove_file(entry.path()).is_ok() {
-                    gone += 1;
-                }
-            }
+        if let Some(folder) = &self.local {
+            gone += folder.sweep(now, grace).await?;
         }
         Ok(gone)
     }
