@@ -113,13 +113,18 @@ impl Writer {
             is_known(attribute) && attribute.name != layer.attribute() && attribute.is_whole()
         };
         let kept: Vec<&Attribute> = primitive.attributes.iter().filter(is_kept).collect();
-        // Corners are one vertex where they have all in common. One index after the other is taken in,
-        // the last first, so that vertices are in the order of all.
+        // Corners are one vertex where they have all in common: position, then the indices of attributes,
+        // the last first. Two are sorted at once with the layer, as most files have no more; others one
+        // after the other before.
+        let of_corners = kept.iter().rev().filter_map(|attribute| attribute.corners.as_deref());
+        let mut own: Vec<&[u32]> = of_corners.map(<[[u32; 3]]>::as_flattened).collect();
         let mut corners = primitive.triangles.as_flattened().to_vec();
-        for own in kept.iter().rev().filter_map(|attribute| attribute.corners.as_ref()) {
-            corners = split(corners.into_iter().zip(own.as_flattened().iter().copied())).1;
+        for own in own.drain(..own.len().saturating_sub(2)) {
+            corners = split(corners.into_iter().zip(own.iter().copied())).1;
         }
-        let (vertices, indices) = split(corners.into_iter().zip(layer.corners()));
+        let index = |n: usize, corner: usize| own.get(n).map_or(0, |own| own[corner]);
+        let key = |(corner, &vertex): (usize, &u32)| [vertex, index(0, corner), index(1, corner)];
+        let (vertices, indices) = split(corners.iter().enumerate().map(key).zip(layer.corners()));
         let mut corner_of = vec![0; vertices.len()];
         for (corner, &vertex) in indices.iter().enumerate().rev() {
             corner_of[vertex as usize] = corner;
@@ -219,9 +224,12 @@ mod tests {
         };
         let uvs = Values::floats(vec![[0.0, 0.25], [0.5, 0.75]]);
         let turns = Values::doubles(vec![[1.0], [2.0], [3.0], [4.0]]);
+        let flat = || Some(vec![[0, 0, 0], [0, 0, 0]]);
         scene.primitives[0].attributes = vec![
             attribute("_TURN", turns, None),
             attribute(TEXCOORD, uvs.clone(), Some(vec![[0, 1, 1], [0, 1, 0]])),
+            attribute("TEXCOORD_1", uvs.clone(), flat()),
+            attribute("TEXCOORD_2", uvs.clone(), Some(vec![[1, 0, 1], [0, 0, 1]])),
             attribute("JOINTS_0", uvs.clone(), None),
         ];
         scene.primitives[1].attributes =
@@ -242,6 +250,9 @@ mod tests {
         let texcoords = |p: &Primitive| p.texcoords().map(Vec::from_iter);
         assert_eq!(texcoords(first), texcoords(&scene.primitives[0]), "v points down in both");
         assert_eq!(texcoords(second), None, "a corner had none");
+        let third = &first.attribute("TEXCOORD_2").unwrap().values;
+        let at = first.triangles[0].map(|v| third.vector::<2>(v as usize));
+        assert_eq!(at, [[0.5, 0.75], [0.0, 0.25], [0.5, 0.75]]);
         assert!(first.attribute("JOINTS_0").is_none(), "there is no skin to it");
         // Two vertices are split in each: by coordinates in the first, by parts in the second.
         assert_eq!((first.positions.count(), second.positions.count()), (6, 6));
