@@ -184,7 +184,7 @@ mod tests {
                     code: WarningCode::Degraded,
                     message: "y".into(),
                 }),
-                r#"{"code":"x","message":"y"}"#,
+                r#"{"code":"degraded","message":"y"}"#,
             ),
             (
                 EventData::Retrying(RetryingEvent {

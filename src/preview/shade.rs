@@ -111,6 +111,34 @@ impl<'a> View<'a> {
         }
         canvas.lay(&mask.scaled(line.strength), linear(line.color));
     }
+
+    /// Draws points of the surface as dots of `radius` pixels, where they can be seen; a later one covers
+    /// the ones before it. No dot reaches beyond the object's outline.
+    pub(super) fn draw_dots(
+        &self,
+        canvas: &mut Canvas,
+        radius: f32,
+        dots: impl Iterator<Item = (DVec3, Vec3)>,
+    ) {
+        let (size, radius) = (self.seen.size, radius * FACTOR as f32);
+        let bias = LINE_BIAS * self.surface.diagonal as f32;
+        let rows = |middle: f32| {
+            let first = (middle - radius).max(0.0) as usize;
+            first..((middle + radius).max(0.0) as usize + 1).min(size)
+        };
+        for (point, color) in dots {
+            let dot = self.camera.see(point);
+            for y in rows(dot.at.y) {
+                for pixel in rows(dot.at.x).map(|x| y * size + x) {
+                    let there = self.seen.nearness[pixel];
+                    let is_seen = there > 0.0 && 1.0 / dot.nearness - bias <= 1.0 / there;
+                    if is_seen && center(pixel, size).distance(dot.at) <= radius {
+                        canvas.pixels[pixel] = color;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Light on a point of the surface: what its colour is multiplied by.

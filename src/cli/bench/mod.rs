@@ -10,6 +10,7 @@ mod quality;
 mod same;
 mod segmentation;
 mod sheet;
+mod stages;
 mod table;
 
 use anyhow::Result;
@@ -37,6 +38,8 @@ enum What {
     Segmentation(segmentation::Args),
     /// Unwrap objects and show them on one picture: checker, seams, layout, figures.
     Sheet(sheet::Args),
+    /// Unwrap one object and draw what each stage makes of it, a picture each.
+    Stages(stages::Args),
 }
 
 /// Run it.
@@ -47,5 +50,6 @@ pub fn run(args: Args) -> Result<()> {
         What::Same(args) => same::run(args),
         What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),
+        What::Stages(args) => stages::run(args),
     }
 }
