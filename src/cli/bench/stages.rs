@@ -49,7 +49,7 @@ fn pictures(files: &Files) -> Result<[(&'static str, Vec<u8>); 6]> {
     let unwrapped = unwrap(files, &options, &Engine::new(Device::cpu()))?;
     let metrics = &unwrapped.metrics;
     let input = files.input();
-    let scene = mesh::import(input.bytes, input.kind, &Limits::default())?;
+    let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
     let surface = mesh::condition(&scene, &run)?;
     drop(scene);
     let model = unwrapped.artifact(ArtifactKind::Model).context("there is no model")?;
@@ -198,7 +198,7 @@ mod tests {
         let engine = Engine::new(Device::cpu());
         let unwrapped = unwrap(&files, &UnwrapOptions::default(), &engine).unwrap();
         let (input, run) = (files.input(), Run::quiet());
-        let scene = mesh::import(input.bytes, input.kind, &Limits::default()).unwrap();
+        let scene = mesh::import(input.mesh(), input.kind(), &Limits::default()).unwrap();
         let surface = condition(&scene, &run).unwrap();
         let model = unwrapped.artifact(ArtifactKind::Model).unwrap();
         let faces = Faces::read(model, &surface).unwrap();
