@@ -156,8 +156,7 @@ fn every_job_that_is_admitted_ends_with_a_valid_atlas_or_a_code() {
                 options.width = 64;
                 options.steps = options.steps.min(200);
             }
-            let input =
-                Input { bytes: CUBE.as_bytes(), kind: kind_of(CUBE.as_bytes()), labels: None };
+            let input = Input::new(kind_of(CUBE.as_bytes()), CUBE.as_bytes());
             let ended = catch_unwind(AssertUnwindSafe(|| {
                 let budget = Budget::new(options.budget_s, options.budget_mib);
                 let run = Run::new(|_| {}, Cancel::default(), budget);
