@@ -14,6 +14,8 @@ mod compact;
 mod cost;
 mod extent;
 mod fit;
+#[cfg(test)]
+mod joint_tests;
 mod limits;
 mod merge;
 mod open;
@@ -21,6 +23,8 @@ mod over_cut;
 mod part_mesh;
 mod patches;
 mod patchwork;
+#[cfg(test)]
+mod scenes;
 mod sides;
 mod split;
 mod straighten;
