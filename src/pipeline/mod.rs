@@ -21,6 +21,8 @@ mod parts;
 mod regions;
 mod report;
 mod result;
+#[cfg(test)]
+mod scenes;
 mod sheets;
 
 pub use crate::segmentation::Weights;
