@@ -5,6 +5,7 @@ mod benchmarks;
 mod budget;
 mod certificate;
 mod maps;
+mod metrics;
 mod options;
 mod pages;
 
