@@ -15,6 +15,8 @@ mod cost;
 mod extent;
 mod fit;
 mod initial;
+#[cfg(test)]
+mod joint_tests;
 mod limits;
 mod merge;
 mod open;
@@ -22,6 +24,8 @@ mod over_cut;
 mod part_mesh;
 mod patches;
 mod patchwork;
+#[cfg(test)]
+mod scenes;
 mod sides;
 mod split;
 mod straighten;

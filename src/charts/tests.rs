@@ -10,70 +10,13 @@ use super::fit::Fit;
 use super::limits::Limits;
 use super::part_mesh::PartMesh;
 use super::patchwork::Patchwork;
+use super::scenes::*;
 use super::straighten::straighten;
 use super::visibility::visibility;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
-use crate::mesh::{NONE, Scene, Surface, condition};
-
-/// A conditioned surface; vertices at one place are one.
-fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
-    condition(&Scene::from_triangles(positions, triangles), &Run::quiet()).unwrap()
-}
-
-/// Quads as two triangles each.
-fn quads(positions: Vec<DVec3>, quads: &[[u32; 4]]) -> Surface {
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    surface(positions, triangles)
-}
-
-/// The same shape beside a plate of 60 × 60, on whose page nothing small is too long.
-fn beside_a_plate(s: &Surface) -> Surface {
-    let first = s.positions.len() as u32;
-    let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)];
-    let plate = corners.map(|(x, y)| DVec3::new(x + 10.0, y, 0.0));
-    let positions = s.positions.iter().copied().chain(plate).collect();
-    let two = [[first, first + 1, first + 2], [first, first + 2, first + 3]];
-    surface(positions, s.triangles.iter().copied().chain(two).collect())
-}
-
-/// A box from the origin.
-fn solid_box(x: f64, y: f64, z: f64) -> Surface {
-    let corner =
-        |i: u32| DVec3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z);
-    let sides =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    quads((0..8).map(corner).collect(), &sides)
-}
-
-/// The corners of a regular polygon of radius 1.
-fn ring(n: u32, z: f64) -> impl Iterator<Item = DVec3> {
-    (0..n).map(move |i| {
-        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
-        DVec3::new(cos, sin, z)
-    })
-}
-
-/// The side of such a prism, open at both ends.
-fn open_tube(n: u32, height: f64) -> Surface {
-    let around = |i: u32| [i, (i + 1) % n, n + (i + 1) % n, n + i];
-    let sides: Vec<[u32; 4]> = (0..n).map(around).collect();
-    quads(ring(n, 0.0).chain(ring(n, height)).collect(), &sides)
-}
-
-/// A closed prism over a regular polygon of `n` corners and radius 1, `height` high.
-fn prism(n: u32, height: f64) -> Surface {
-    let ends = ring(n, 0.0).chain(ring(n, height));
-    let positions = ends.chain([DVec3::ZERO, DVec3::Z * height]);
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        let j = (i + 1) % n;
-        triangles.extend([[i, j, n + j], [i, n + j, n + i]]);
-        triangles.extend([[j, i, 2 * n], [n + i, n + j, 2 * n + 1]]);
-    }
-    surface(positions.collect(), triangles)
-}
+use crate::mesh::{NONE, Surface};
 
 /// Cut everything as one part, and check what every cut must keep.
 fn cut(surface: &Surface, bound: f64) -> Vec<Chart> {
@@ -250,41 +193,6 @@ fn a_jagged_seam_is_moved_straight() {
     assert!((seam(&work) - f64::from(n)).abs() < 1e-9, "{}", seam(&work));
     assert!(work.energy.iter().all(|&e| e.abs() < 1e-9));
     assert!((work.area.iter().sum::<f64>() - f64::from(n * n)).abs() < 1e-9);
-}
-
-#[test]
-fn an_over_cut_box_is_laid_out_along_a_tree_of_its_edges() {
-    let s = solid_box(3.0, 2.0, 1.0);
-    let options = ChartOptions { distortion_bound: 0.01 };
-    let parts = over_cut(&s, &vec![0; s.face_count()], &options, 100, &Run::quiet()).unwrap();
-    let [part] = &parts[..] else { panic!("{} parts", parts.len()) };
-    assert_eq!((part.seams.len(), part.disk.positions.len()), (12, 24), "six faces, twelve edges");
-    assert!(quality(&part.disk, &part.start).max - 1.0 < 1e-9);
-    let gap = |seam: &&Seam| {
-        let [[i, j], [k, l]] = seam.sides.map(|side| side.map(|v| part.start[v as usize]));
-        i.distance(k) + j.distance(l) < 1e-9
-    };
-    let closed: Vec<&Seam> = part.seams.iter().filter(gap).collect();
-    assert_eq!(closed.len(), 5, "a tree over six faces");
-    // The dearest edges are the longest: all four of length 3.
-    assert_eq!(closed.iter().filter(|seam| (seam.length - 3.0).abs() < 1e-9).count(), 3);
-    assert!(
-        over_cut(&s, &vec![0; s.face_count()], &options, 23, &Run::quiet()).unwrap().is_empty()
-    );
-}
-
-#[test]
-fn what_a_soft_map_leaves_open_decides_where_a_box_is_cut_or_is_no_better() {
-    let s = beside_a_plate(&solid_box(3.0, 2.0, 1.0));
-    let options = ChartOptions { distortion_bound: 0.01 };
-    let part_of: Vec<u32> = (0..s.face_count() as u32).map(|f| u32::from(f >= 12)).collect();
-    // Knows of the box alone, and nothing useful.
-    let openness: Vec<f32> =
-        (0..s.twin.len()).map(|h| if h < 36 { 0.5 } else { f32::NAN }).collect();
-    let built = build_jointly(&s, &part_of, &options, Some(&openness), &Run::quiet()).unwrap();
-    let [arms] = built.arms[..] else { panic!("{:?}", built.arms) };
-    assert_eq!(arms.control, arms.joint, "all alike is no order");
-    assert_eq!(built.charts, build(&s, &part_of, &options, &Run::quiet()).unwrap());
 }
 
 #[test]

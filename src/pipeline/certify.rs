@@ -172,3 +172,153 @@ fn pieces(mapped: &Mapped, without: &[bool]) -> Vec<Mapped> {
     };
     groups.into_values().map(piece).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contract::Run;
+    use crate::flatten::{Border, certify, samples};
+    use crate::pipeline::scenes;
+
+    /// A disk as a chart of its own surface, faces numbered from 100 and vertices from 1000.
+    fn chart(disk: Disk, uv: UvMap) -> Mapped {
+        let faces = (100..).take(disk.triangles.len()).collect();
+        let vertices = (1000..).take(disk.positions.len()).collect();
+        let (start, start_kind) = (uv.clone(), StartKind::Lscm);
+        let shape = ChartShape::General;
+        Mapped::from_cut(Chart {
+            part: 7,
+            faces,
+            disk,
+            vertices,
+            shape,
+            start,
+            cut_map: uv,
+            start_kind,
+        })
+    }
+
+    /// Every face once, each with the vertices that it had.
+    fn assert_whole(of: &Mapped, charts: &[Mapped]) {
+        let mut faces: Vec<u32> = charts.iter().flat_map(|m| m.chart.faces.clone()).collect();
+        faces.sort_unstable();
+        assert_eq!(faces, of.chart.faces);
+        for m in charts {
+            assert_eq!(m.chart.part, of.chart.part);
+            for (t, &f) in m.chart.disk.triangles.iter().zip(&m.chart.faces) {
+                let before = of.chart.disk.triangles[f as usize - 100];
+                let now = t.map(|v| m.chart.vertices[v as usize]);
+                assert_eq!(now, before.map(|v| of.chart.vertices[v as usize]));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_a_chart_keeps_its_map() {
+        // Of the faces around a middle vertex two opposite ones are lost. Where there are no others the two
+        // fans that are left are apart; else they hang together around a hole, and only there.
+        for (n, pieces, loops) in [(2, 2, 1), (6, 1, 2)] {
+            let middle = (n * (n + 2) / 2) as u32;
+            let (disk, uv) = samples::plane(n, n, 2.0, 2.0);
+            let fan: Vec<u32> = (0..disk.triangles.len() as u32)
+                .filter(|&f| disk.triangles[f as usize].contains(&middle))
+                .collect();
+            let lost = [fan[0], fan[fan.len() - 1]];
+            let of = chart(disk, uv);
+            let charts = last_resort(of.clone(), &lost, Scale { chart: 0.25, step: 1e-6 });
+            assert_whole(&of, &charts);
+            let (alone, left): (Vec<&Mapped>, Vec<&Mapped>) =
+                charts.iter().partition(|m| lost.contains(&(m.chart.faces[0] - 100)));
+            assert_eq!((alone.len(), left.len()), (2, pieces));
+            for m in &left {
+                assert_eq!(Border::of(&m.chart.disk).loops.len(), loops);
+                for (p, v) in m.uv.iter().zip(&m.chart.vertices) {
+                    assert!(p.distance(of.uv[*v as usize - 1000]) < 1e-12);
+                }
+            }
+            let vertices = left.iter().flat_map(|m| &m.chart.vertices);
+            assert_eq!(vertices.filter(|&&v| v == 1000 + middle).count(), 2, "one for each fan");
+        }
+    }
+
+    #[test]
+    fn a_face_alone_is_isometric_where_the_lattice_holds_it() {
+        let of = chart(samples::barrel(6, 4), vec![DVec2::ZERO; 35]);
+        let charts = last_resort(of.clone(), &[], Scale { chart: 0.1, step: 1e-6 });
+        assert_whole(&of, &charts);
+        for m in &charts {
+            assert_eq!(m.chart.faces.len(), 1);
+            assert!(!m.enlarged && certify(&m.chart.disk, &m.uv).is_injective());
+            assert!(flatten::quality(&m.chart.disk, &m.uv).max - 1.0 < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_face_that_is_too_thin_is_enlarged_until_the_lattice_holds_it() {
+        let scale = Scale { chart: 0.1, step: 1e-6 };
+        let steps = |m: &Mapped| {
+            let [a, b, c] = [0, 1, 2].map(|k| m.uv[k] * scale.chart / scale.step);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            (longest, (b - a).perp_dot(c - a) / longest)
+        };
+        // A needle along each of its sides, a speck, and a face without any extent.
+        let (long, tip) = (DVec3::X, DVec3::new(0.4, 1e-9, 0.0));
+        let needle = [DVec3::ZERO, long, tip];
+        let speck = [DVec3::ZERO, DVec3::X * 1e-8, DVec3::Y * 1e-8];
+        let turned = (0..3).map(|k| [0, 1, 2].map(|i| needle[(i + k) % 3]));
+        for corners in turned.chain([speck, [DVec3::ONE; 3]]) {
+            let of = chart(Disk::new(corners.to_vec(), vec![[0, 1, 2]]), vec![DVec2::ZERO; 3]);
+            let [m] = &last_resort(of, &[], scale)[..] else { panic!("one face, one chart") };
+            let (length, height) = steps(m);
+            assert!(length >= 0.99 * HEIGHT && height >= 0.7 * HEIGHT, "{length} {height}");
+            assert!(m.enlarged);
+        }
+        // The needle is no longer than it was.
+        let of = chart(Disk::new(needle.to_vec(), vec![[0, 1, 2]]), vec![DVec2::ZERO; 3]);
+        let (length, _) = steps(&last_resort(of, &[0], scale)[0]);
+        assert!((length - 1e5).abs() < 1.0, "{length}");
+    }
+
+    #[test]
+    fn the_classical_islands_of_a_chart_have_its_faces() {
+        let run = Run::quiet();
+        let text = scenes::sheet(6, |x, y| 0.8 * (x + 0.3 * y).sin());
+        let (_, solvers, charts) = scenes::cut(&text, &scenes::options(), &run);
+        for mapped in charts.into_iter().map(Mapped::from_cut) {
+            let (part, mut faces) = (mapped.chart.part, mapped.chart.faces.clone());
+            for island in classical(mapped).unwrap() {
+                assert_eq!((island.chart.part, island.form), (part, ChartForm::Uvunwrap));
+                assert!(certify(&island.chart.disk, &island.uv).is_injective());
+                for (t, f) in island.chart.disk.triangles.iter().zip(&island.chart.faces) {
+                    let own = t.map(|v| island.chart.vertices[v as usize]);
+                    assert_eq!(own, solvers.surface.triangles[*f as usize]);
+                    let at = faces.iter().position(|g| g == f).expect("each face is in one island");
+                    faces.remove(at);
+                }
+            }
+            assert!(faces.is_empty(), "{faces:?} are in none");
+        }
+    }
+
+    #[test]
+    fn every_fault_has_its_words() {
+        let sound = Certificate { simple_boundary: true, ..Default::default() };
+        assert_eq!(fault(&sound, 2), "");
+        let all = Certificate {
+            flipped: 1,
+            overlapping_pairs: 2,
+            overlap_texels: 3,
+            out_of_range: 4,
+            zero_area_uv: 5,
+            min_gutter_texels: Some(1.5),
+            ..Default::default()
+        };
+        let said = "1 flipped faces, 2 pairs of faces that overlap, 3 texels of two charts, 4 faces \
+            outside of the page, 5 faces without area, a boundary that crosses itself, a gutter of \
+            1.50 texels where 2 were asked for";
+        assert_eq!(fault(&all, 2), said);
+        assert!(!fault(&all, 1).contains("gutter"), "as wide as asked for");
+    }
+}

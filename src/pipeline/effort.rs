@@ -59,7 +59,8 @@ fn work(faces: f64, options: &UnwrapOptions) -> Vec<(Stage, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::Limits;
+    use crate::contract::{Budget, Cancel, Limits};
+    use crate::pipeline::scenes;
 
     #[test]
     fn what_is_accepted_fits_the_memory_that_a_job_has() {
@@ -71,5 +72,47 @@ mod tests {
         }
         // Whatever the numbers are, they are only counted.
         assert_eq!(required_bytes(u64::MAX, &UnwrapOptions::default()), u64::MAX);
+    }
+
+    #[test]
+    fn a_scene_that_does_not_fit_is_refused_with_the_memory_that_would_do() {
+        let scene = scenes::scene(&scenes::sheet(80, |_, _| 0.0));
+        let options = UnwrapOptions { budget_mib: 64, page_size: 4096, ..Default::default() };
+        let admitted = |mib| {
+            let run = Run::new(|_| {}, Cancel::default(), Budget::new(None, mib));
+            admit(&scene, &options, &run).map(|()| run.budget.spare_bytes())
+        };
+        let need = required_bytes(12_800, &options);
+        let mib = need.div_ceil(1 << 20);
+        assert!(mib > 65);
+        let error = admitted(mib - 1).unwrap_err().to_string();
+        assert!(error.contains(&format!("about {mib} MiB")), "{error}");
+        assert!(error.contains("12800 triangles") && error.contains("budget_mib"), "{error}");
+        // What is admitted is held to the end.
+        assert_eq!(admitted(mib).unwrap(), (mib << 20) - need);
+    }
+
+    #[test]
+    fn only_the_stages_that_will_run_are_expected() {
+        let stages = |stop_after| -> Vec<Stage> {
+            let options = UnwrapOptions { stop_after, ..Default::default() };
+            let mut stages: Vec<Stage> = work(1e3, &options).iter().map(|w| w.0).collect();
+            stages.sort();
+            stages
+        };
+        assert_eq!(stages(None), Stage::ALL);
+        let trained = |s: &&Stage| matches!(s, Stage::Train | Stage::Polish);
+        let charts: Vec<Stage> = Stage::ALL.iter().filter(|s| !trained(s)).copied().collect();
+        assert_eq!(stages(Some(StopAfter::Charts)), charts);
+        let parts = stages(Some(StopAfter::Segmentation));
+        assert!(!parts.contains(&Stage::Charts) && !parts.contains(&Stage::Pack));
+        assert!(parts.contains(&Stage::Segment) && parts.contains(&Stage::Export));
+        // More quality is more work.
+        let train = |quality| {
+            let options = UnwrapOptions { quality, ..Default::default() };
+            work(1e4, &options).iter().find(|w| w.0 == Stage::Train).unwrap().1
+        };
+        let [fast, balanced, best] = [Quality::Fast, Quality::Balanced, Quality::Best].map(train);
+        assert!(fast == 0.0 && balanced > 0.0 && best > balanced);
     }
 }

@@ -100,3 +100,92 @@ fn lay_down_flat_faces(found: &Found, step: f64, uvs: &mut [[[f32; 2]; 3]]) {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::{DoubleSided, Run, UnwrapOptions};
+    use crate::pipeline::scenes;
+
+    fn collected(text: &str, options: &UnwrapOptions) -> (Found, CertifiedAtlas, Faces) {
+        let (found, _, atlas) = scenes::atlas(text, options, &Run::quiet());
+        let faces = collect(&found, &atlas);
+        assert!(faces.file.iter().flatten().flatten().all(|x| x.is_finite()));
+        (found, atlas, faces)
+    }
+
+    #[test]
+    fn corners_are_told_in_the_winding_of_the_file() {
+        // Beside a square two faces with the other winding, which are turned over.
+        let text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 2 3 0\nv 0 3 0\n\
+            f 1 2 3\nf 1 3 4\nf 4 5 3\nf 4 6 5\n";
+        let (found, _, faces) = collected(text, &scenes::options());
+        assert_eq!(found.surface.reversed, [false, false, true, true]);
+        assert_eq!(faces.chart_of, [0, 0, 1, 1]);
+        let [[a, b, c], [d, e, f]] = [faces.file[2], faces.file[3]];
+        assert_eq!((a, b), (d, f), "the two meet in vertices 4 and 5");
+        assert!(c != e && a != b);
+        let area = |[a, b, c]: [[f32; 2]; 3]| {
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        assert!(faces.uvs.iter().all(|&t| area(t) > 0.0), "no face of the surface is flipped");
+    }
+
+    #[test]
+    fn a_face_without_area_lies_along_its_neighbour() {
+        // A triangle with one corner more on its long side, a face that has shrunk to one of its corners, and
+        // one that touches nothing.
+        let text = "v 0 0 0\nv 4 0 0\nv 0 3 0\nv 1 0 0\nv 9 9 9\nv 8 8 8\nv 7 7 7\n\
+            f 1 2 3\nf 1 4 2\nf 3 3 3\nf 5 6 7\n";
+        let (found, atlas, faces) = collected(text, &scenes::options());
+        assert_eq!(found.surface.usable, [true, false, false, false]);
+        assert_eq!(faces.chart_of, [0, NONE, NONE, NONE]);
+        assert!(faces.uvs[1..].iter().flatten().flatten().all(|x| x.is_nan()));
+        let [one, two, three] = faces.file[0];
+        let [a, between, b] = faces.file[1];
+        assert_eq!((a, b), (one, two));
+        for i in 0..2 {
+            let share = a[i] + 0.25 * (b[i] - a[i]);
+            assert!((between[i] - share).abs() < 1e-6, "{between:?}");
+            let steps = f64::from(between[i]) / atlas.grid.step();
+            assert_eq!(steps, steps.round(), "on the lattice");
+        }
+        assert_eq!(faces.file[2], [three; 3]);
+        assert_eq!(faces.file[3], [[0.0; 2]; 3]);
+    }
+
+    #[test]
+    fn a_shared_sheet_carries_its_mates_coordinates() {
+        let text = format!("{}{}", scenes::CUBE, scenes::INSIDE);
+        let options = UnwrapOptions { double_sided: DoubleSided::Share, ..scenes::options() };
+        let (found, _, faces) = collected(&text, &options);
+        for f in 12..24 {
+            let mate = found.sources[f] as usize;
+            assert!(mate < 12 && faces.chart_of[f] == NONE && faces.chart_of[mate] != NONE);
+            // The same place in space is the same place on the page.
+            for (k, v) in found.surface.triangles[f].iter().enumerate() {
+                let there = found.surface.triangles[mate].iter().position(|w| w == v).unwrap();
+                let [here, there] = [(f, k), (mate, there)]
+                    .map(|(f, k)| faces.file[f][found.surface.file_corner(f, k)]);
+                assert_eq!(here, there);
+            }
+        }
+    }
+
+    #[test]
+    fn the_file_has_each_page_on_its_tile() {
+        let options = UnwrapOptions { pages: 12, udim: true, ..scenes::options() };
+        let (found, atlas, faces) = collected(&scenes::squares(12), &options);
+        assert_eq!(atlas.pages, 12);
+        for f in 0..24 {
+            let page = atlas.page_of[faces.chart_of[f] as usize];
+            let tile = [(page % 10) as f32, (page / 10) as f32];
+            for k in 0..3 {
+                let [u, v] = faces.uvs[f][k];
+                assert!((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v));
+                let there = faces.file[f][found.surface.file_corner(f, k)];
+                assert_eq!(there, [u + tile[0], v + tile[1]]);
+            }
+        }
+    }
+}

@@ -180,41 +180,22 @@ fn place(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{ErrorCode, MeshKind, SegmentationSource};
-    use crate::device::Device;
-    use crate::mesh;
-    use crate::pipeline::{Engine, charting, maps, parts};
-
-    /// A cube, cut and ready to be packed.
-    fn cube(options: &UnwrapOptions, run: &Run) -> (Found, Solvers, Vec<Mapped>) {
-        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
-            f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-        let kind = MeshKind::Obj;
-        let scene = mesh::import(text.as_bytes(), kind, &Default::default()).unwrap();
-        let engine = Engine::new(Device::cpu());
-        let (found, solvers) = parts::find(&scene, options, &engine, run).unwrap();
-        let cut = charting::cut(&solvers, options, &engine, run).unwrap();
-        (found, solvers, maps::untrained(cut.charts))
-    }
-
-    fn options() -> UnwrapOptions {
-        let segmentation = SegmentationSource::Authored;
-        // Several charts, so that there is a gutter.
-        UnwrapOptions { segmentation, padding: 6, distortion_bound: 1e-9, ..Default::default() }
-    }
+    use crate::charts::Chart;
+    use crate::contract::{ChartForm, ErrorCode};
+    use crate::pipeline::{maps, scenes};
 
     #[test]
     fn a_gutter_that_is_too_thin_is_packed_anew_with_a_texel_more() {
-        let (options, run) = (options(), Run::quiet());
-        let (found, solvers, charts) = cube(&options, &run);
-        // Two charts, and so a gutter.
-        let charts: Vec<Mapped> = charts.into_iter().flat_map(|m| [m.clone(), m]).collect();
+        let run = Run::quiet();
+        let options = UnwrapOptions { padding: 6, ..scenes::options() };
+        let (found, solvers, charts) = scenes::cut(&scenes::squares(2), &options, &run);
         let mut asked = Vec::new();
         let placing = |charts, padding| {
             asked.push(padding);
             let given = if asked.len() == 1 { 1 } else { padding };
             place(&found, &solvers, charts, &options, given, &run)
         };
+        let charts = maps::untrained(charts);
         let atlas = settle(&solvers.surface, charts, &options, &run, placing).unwrap();
         assert_eq!(asked, [6, 7]);
         assert!(atlas.certificates.atlas.valid);
@@ -223,21 +204,90 @@ mod tests {
 
     #[test]
     fn an_atlas_that_stays_invalid_is_an_error() {
-        let (options, run) = (options(), Run::quiet());
-        let (found, solvers, charts) = cube(&options, &run);
+        let (options, run) = (scenes::options(), Run::quiet());
+        let (found, solvers, charts) = scenes::cut(scenes::CUBE, &options, &run);
         let mut rounds = 0;
         let placing = |charts, padding| {
             rounds += 1;
             let mut attempt = place(&found, &solvers, charts, &options, padding, &run)?;
-            // The certificate is broken on purpose.
-            let proof = &mut attempt.atlas.certificates;
-            (proof.atlas.valid, proof.atlas.flipped) = (false, 1);
-            proof.charts[0].flipped = 1;
+            blame(&mut attempt, 0);
             Ok(attempt)
         };
+        let charts = maps::untrained(charts);
         let error = settle(&solvers.surface, charts, &options, &run, placing).err().unwrap();
         assert_eq!(rounds, ROUNDS);
         assert!(error.to_string().contains("1 flipped faces"), "{error}");
         assert_eq!(error.of(&run).job_error().unwrap().code, ErrorCode::NotCertified);
+    }
+
+    /// Break a chart's certificate.
+    fn blame(attempt: &mut Attempt, chart: usize) {
+        let proof = &mut attempt.atlas.certificates;
+        (proof.atlas.valid, proof.atlas.flipped) = (false, 1);
+        proof.charts[chart].flipped = 1;
+    }
+
+    /// The charts of each round on a sheet of 32 faces, where in the first `faulty` rounds the chart of face
+    /// 0 is at fault: as a whole, or for this face alone. The last of them are the result's.
+    fn rounds(faulty: usize, lose: bool) -> Vec<Vec<Mapped>> {
+        let (options, run) = (scenes::options(), Run::quiet());
+        let (found, solvers, charts) = scenes::cut(&scenes::sheet(4, |_, _| 0.0), &options, &run);
+        let mut rounds: Vec<Vec<Mapped>> = Vec::new();
+        let placing = |charts: Vec<Mapped>, padding| {
+            rounds.push(charts.clone());
+            let mut attempt = place(&found, &solvers, charts, &options, padding, &run)?;
+            if rounds.len() <= faulty {
+                let charts = &attempt.atlas.charts;
+                let at = charts.iter().position(|m| m.chart.faces[0] == 0).unwrap();
+                blame(&mut attempt, at);
+                attempt.lost = if lose { vec![(at as u32, 0)] } else { Vec::new() };
+            }
+            Ok(attempt)
+        };
+        let charts = maps::untrained(charts);
+        let atlas = settle(&solvers.surface, charts, &options, &run, placing).unwrap();
+        assert!(atlas.certificates.atlas.valid);
+        assert_eq!(rounds.len(), faulty + 1);
+        rounds
+    }
+
+    /// The chart of face 0.
+    fn first(charts: &[Mapped]) -> &Mapped {
+        charts.iter().find(|m| m.chart.faces[0] == 0).unwrap()
+    }
+
+    #[test]
+    fn a_chart_at_fault_is_divided_then_unwrapped_classically_then_taken_apart() {
+        let rounds = rounds(5, false);
+        let blamed: Vec<&Mapped> = rounds.iter().map(|charts| first(charts)).collect();
+        let sizes: Vec<usize> = blamed.iter().map(|m| m.chart.faces.len()).collect();
+        assert!(sizes[..4].windows(2).all(|w| w[0] > w[1]) && sizes[3] > 1, "divided: {sizes:?}");
+        let forms: Vec<ChartForm> = blamed.iter().map(|m| m.form).collect();
+        let (start, classical) = (ChartForm::Start, ChartForm::Uvunwrap);
+        assert_eq!(forms, [start, start, start, start, classical, start]);
+        assert_eq!(sizes[5], 1, "taken apart");
+        for w in rounds.windows(2) {
+            let mut faces: Vec<u32> = w[1].iter().flat_map(|m| m.chart.faces.clone()).collect();
+            faces.sort_unstable();
+            assert_eq!(faces, (0..32).collect::<Vec<u32>>(), "each face is in one chart");
+            // Whoever is not at fault stays as it is.
+            let same = |m: &Mapped, n: &Mapped| (&m.chart, &m.uv) == (&n.chart, &n.uv);
+            let sound = w[0].iter().filter(|m| m.chart.faces[0] != 0);
+            assert!(sound.into_iter().all(|m| w[1].iter().any(|n| same(m, n))));
+        }
+        // Of the chart that was taken apart all faces are alone.
+        let alone = |f: &u32| rounds[5].iter().any(|m| m.chart.faces == [*f]);
+        assert!(blamed[4].chart.faces.iter().all(alone));
+    }
+
+    #[test]
+    fn a_face_that_the_lattice_has_lost_is_taken_out_alone() {
+        let rounds = rounds(5, true);
+        let before: &Chart = &first(&rounds[4]).chart;
+        assert_eq!(first(&rounds[5]).chart.faces, [0]);
+        let rest = rounds[5].iter().filter(|m| before.faces[1..].contains(&m.chart.faces[0]));
+        let sizes: Vec<usize> = rest.map(|m| m.chart.faces.len()).collect();
+        assert_eq!(sizes.iter().sum::<usize>(), before.faces.len() - 1);
+        assert!(sizes.iter().any(|&n| n > 1), "the others hang together: {sizes:?}");
     }
 }

@@ -78,3 +78,58 @@ fn input<'a>(part: &'a OverCutPart, told: &Vertices) -> TrainChart<'a> {
 fn radius(part: &OverCutPart) -> f64 {
     (part.disk.area() / std::f64::consts::PI).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::NONE;
+    use crate::pipeline::scenes;
+
+    fn open(text: &str, steps: u32) -> (Solvers, Vec<f32>) {
+        let run = Run::quiet();
+        let (_, solvers) = scenes::found(text, &scenes::options(), &run);
+        let options = UnwrapOptions { steps, points: 64, ..scenes::options() };
+        let cut = ChartOptions::from(&options);
+        let openness = openness(&solvers, &cut, &options, &scenes::engine(), &run).unwrap();
+        (solvers, openness)
+    }
+
+    #[test]
+    fn the_edges_of_a_box_are_open_or_closed_and_its_sides_are_not_asked() {
+        let (solvers, openness) = open(scenes::CUBE, 1);
+        let surface = &solvers.surface;
+        let mut edges = Vec::new();
+        for (h, &t) in (0u32..).zip(&surface.twin) {
+            assert_ne!(t, NONE);
+            let told = openness[h as usize];
+            assert_eq!(
+                told.is_nan(),
+                !surface.is_crease(h),
+                "a choice at every edge, and nowhere else"
+            );
+            if h < t && !told.is_nan() {
+                assert_eq!(told, openness[t as usize], "the same from both sides");
+                edges.push(told);
+            }
+        }
+        // After one step the map is still laid out along a tree of the edges: those are closed.
+        edges.sort_by(f32::total_cmp);
+        assert_eq!(edges.len(), 12);
+        assert!(edges[..5].iter().all(|&o| (0.0..0.1).contains(&o)), "{edges:?}");
+        assert!(edges[5..].iter().all(|&o| (0.5..1.0).contains(&o)), "{edges:?}");
+    }
+
+    #[test]
+    fn training_moves_the_seams_and_is_the_same_each_time() {
+        let [early, late, again] = [1, 40, 40].map(|steps| open(scenes::CUBE, steps).1);
+        let bits = |o: &[f32]| o.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_ne!(bits(&early), bits(&late));
+        assert_eq!(bits(&late), bits(&again));
+    }
+
+    #[test]
+    fn a_sheet_leaves_nothing_to_choose() {
+        let (_, openness) = open(&scenes::sheet(3, |_, _| 0.0), 1);
+        assert!(openness.len() == 54 && openness.iter().all(|o| o.is_nan()));
+    }
+}

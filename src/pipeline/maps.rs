@@ -192,3 +192,179 @@ fn descend(disk: &Disk, from: &UvMap, run: &Run) -> Result<UvMap, Canceled> {
     let options = SlimOptions { iterations: (STEPS / excess).max(2), ..Default::default() };
     flatten::slim(disk, from, &options, &run.cancel)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::charts::StartKind;
+    use crate::contract::{Degradation, Scarce};
+    use crate::flatten::samples;
+    use crate::pipeline::scenes;
+
+    /// A chart that starts at one map and was cut by another.
+    fn chart(disk: Disk, start: UvMap, cut_map: UvMap) -> Chart {
+        Chart {
+            faces: (0..disk.triangles.len() as u32).collect(),
+            vertices: (0..disk.positions.len() as u32).collect(),
+            start: flatten::rescale(&disk, start),
+            cut_map: flatten::rescale(&disk, cut_map),
+            start_kind: StartKind::Planar,
+            disk,
+            ..Chart::default()
+        }
+    }
+
+    /// A bump seen from above.
+    fn bump() -> Chart {
+        let lift = |x: f64, y: f64| 0.1 * (5.0 * x).sin() * (4.0 * y).sin();
+        let disk = samples::bent(12, 12, |x, y| DVec3::new(x, y, lift(x, y)));
+        let seen: UvMap = disk.positions.iter().map(|p| p.truncate()).collect();
+        chart(disk, seen.clone(), seen)
+    }
+
+    /// What a network made of a chart.
+    fn net(chart: &Chart, uv: UvMap, improved: bool) -> TrainedChart {
+        let energy = flatten::quality(&chart.disk, &uv).mean;
+        let (history, chamfer) = (Vec::new(), Some(0.125));
+        TrainedChart { uv, improved, steps: 9, history, energy, chamfer, converged: false }
+    }
+
+    fn polished(chart: &Chart, net: Option<TrainedChart>) -> Mapped {
+        polish(chart.clone(), net, 0.0, &Run::quiet()).unwrap()
+    }
+
+    fn energy(m: &Mapped) -> f64 {
+        flatten::quality(&m.chart.disk, &m.uv).mean
+    }
+
+    #[test]
+    fn untrained_charts_ship_the_map_by_which_they_were_cut() {
+        let (disk, flat) = samples::plane(3, 3, 1.0, 1.0);
+        let sheared = flat.iter().map(|p| DVec2::new(p.x + 0.3 * p.y, p.y)).collect();
+        let charts = vec![bump(), chart(disk, flat, sheared)];
+        let mapped = untrained(charts.clone());
+        for (m, chart) in mapped.iter().zip(&charts) {
+            assert_eq!((&m.chart, &m.uv), (chart, &chart.cut_map));
+            assert_eq!((m.form, m.steps, m.gain, m.chamfer), (ChartForm::Start, 0, None, None));
+        }
+        assert_eq!([0, 1].map(|i| mapped[i].isometric_start), [false, true]);
+    }
+
+    #[test]
+    fn a_start_without_distortion_to_speak_of_ships_as_it_is() {
+        let (disk, flat) = samples::plane(3, 3, 1.0, 1.0);
+        let bent = |by: f64| flat.iter().map(|p| DVec2::new(p.x + by * p.y * p.y, p.y)).collect();
+        let chart = chart(disk.clone(), bent(1e-3), bent(0.3));
+        let m = polished(&chart, None);
+        assert!(m.isometric_start && m.uv == chart.start);
+        // A descent would have found more.
+        assert!(energy(&m) > 1.0 + 1e-9);
+    }
+
+    /// A map from which the descent does not arrive.
+    fn far_off(chart: &Chart) -> UvMap {
+        chart.start.iter().map(|p| DVec2::new(p.x.powi(9), 1e-3 * p.y)).collect()
+    }
+
+    #[test]
+    fn the_polish_starts_from_the_better_map() {
+        let good = bump();
+        let alone = polished(&good, None);
+        assert!(energy(&alone) < flatten::quality(&good.disk, &good.start).mean - 1e-3);
+        for [start, cut_map] in
+            [[good.start.clone(), far_off(&good)], [far_off(&good), good.start.clone()]]
+        {
+            let m = polished(&chart(good.disk.clone(), start, cut_map), None);
+            assert!((energy(&m) - energy(&alone)).abs() < 1e-12);
+            assert_eq!((m.form, m.gain), (ChartForm::Start, None), "nothing was trained");
+        }
+    }
+
+    #[test]
+    fn a_network_ships_where_it_wins_and_the_metrics_say_by_how_much() {
+        let good = bump();
+        let far = chart(good.disk.clone(), far_off(&good), far_off(&good));
+        let m = polished(&far, Some(net(&far, good.start.clone(), true)));
+        assert_eq!((m.form, m.steps, m.chamfer), (ChartForm::Trained, 9, Some(0.125)));
+        let gain = m.gain.unwrap();
+        let [start, control, raw, best] =
+            [gain.start, gain.start_polish, gain.net, gain.net_polish].map(Option::unwrap);
+        assert_eq!(start, flatten::quality(&far.disk, &far.start).mean);
+        assert_eq!(raw, flatten::quality(&far.disk, &good.start).mean);
+        assert_eq!(best, energy(&m));
+        assert!(start > control && control > best + MARGIN && raw > best, "{gain:?}");
+        assert_eq!(gain.gain, Some((control - best) / control));
+    }
+
+    #[test]
+    fn a_network_that_is_as_good_as_the_control_does_not_ship() {
+        let chart = bump();
+        let control = polished(&chart, None);
+        // As good, and better by next to nothing.
+        for (uv, most) in [(&chart.start, 0.0), (&control.uv, MARGIN)] {
+            let m = polished(&chart, Some(net(&chart, uv.clone(), true)));
+            assert_eq!((m.form, &m.uv), (ChartForm::Start, &control.uv));
+            let gain = m.gain.unwrap().gain.unwrap();
+            assert!((0.0..=most).contains(&gain) && (gain > 0.0) == (most > 0.0), "{gain}");
+        }
+        // One that found nothing has no arm: what it reached is told, and no more.
+        let m = polished(&chart, Some(net(&chart, chart.start.clone(), false)));
+        let gain = m.gain.unwrap();
+        assert!(gain.net.is_some() && gain.net_polish.is_none() && gain.gain.is_none());
+        assert_eq!((m.form, m.steps), (ChartForm::Start, 9));
+    }
+
+    #[test]
+    fn a_map_that_lies_on_itself_never_ships() {
+        // A ramp of one and a half turns lies on itself seen from above, where it has next to no distortion.
+        let turns = |x: f64| 3.0 * std::f64::consts::PI * x;
+        let disk = samples::bent(48, 2, |x, y| {
+            (DVec2::from_angle(turns(x)) * (3.0 - y)).extend(0.01 * turns(x))
+        });
+        let seen: UvMap = disk.positions.iter().map(|p| p.truncate()).collect();
+        let at = |v: usize| DVec2::new(2.5 * turns((v % 49) as f64 / 48.0), (v / 49) as f64 / 2.0);
+        let straight: UvMap = (0..seen.len()).map(at).collect();
+        let chart = chart(disk, seen, straight);
+        assert!(flatten::quality(&chart.disk, &chart.start).is_isometric());
+        assert!(charts::is_sound(&chart.disk, &chart.cut_map, 0.0));
+        for net in [None, Some(net(&chart, chart.start.clone(), true))] {
+            let m = polished(&chart, net);
+            assert_eq!((m.form, &m.uv), (ChartForm::Start, &chart.cut_map));
+        }
+    }
+
+    #[test]
+    fn a_late_polish_ships_the_map_of_the_cut_and_says_so() {
+        let run = scenes::late(66);
+        let chart = bump();
+        let net = net(&chart, chart.start.clone(), true);
+        let m = polish(chart.clone(), Some(net), 0.0, &run).unwrap();
+        assert_eq!((m.form, m.steps, &m.uv), (ChartForm::Start, 0, &chart.cut_map));
+        let (stage, scarce) = (Stage::Polish, Scarce::Time);
+        let given_up = Degradation { stage, gave_up: GaveUp::Descent, scarce };
+        assert_eq!(run.budget.degraded(), [given_up]);
+    }
+
+    #[test]
+    fn each_part_is_told_once_with_its_charts() {
+        let (run, told) = scenes::watched();
+        let options = scenes::options();
+        let text =
+            scenes::squares(2) + "v 9 0 0\nv 10 0 0\nv 10 1 1\nv 9 1 0\nf 9 10 11\nf 9 11 12\n";
+        let (found, solvers, charts) = scenes::cut(&text, &options, &run);
+        let mapped = trained(&found, &solvers, charts, &options, &scenes::engine(), &run).unwrap();
+        let told = told.lock().unwrap();
+        let parts = told.iter().filter_map(|p| match p {
+            Progress::PartCompleted { part, name, charts, symmetric_dirichlet } => {
+                assert_eq!(*name, found.parts.parts[*part as usize].name);
+                assert!((symmetric_dirichlet - 1.0).abs() < 1e-6);
+                Some((*part, *charts))
+            }
+            _ => None,
+        });
+        let of = |part| mapped.iter().filter(|m| m.chart.part == part).count() as u32;
+        assert_eq!(parts.collect::<Vec<_>>(), [0, 1, 2].map(|part| (part, of(part))));
+    }
+}

@@ -22,6 +22,8 @@ mod parts;
 mod regions;
 mod report;
 mod result;
+#[cfg(test)]
+mod scenes;
 mod sheets;
 
 pub use crate::segmentation::Weights;

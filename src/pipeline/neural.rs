@@ -151,3 +151,109 @@ fn creased_vertices(surface: &Surface) -> Vec<bool> {
     }
     creased
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::charts::StartKind;
+    use crate::contract::{Budget, Cancel, Degradation};
+    use crate::flatten::samples;
+    use crate::pipeline::scenes;
+
+    /// A bump of a height over a square of side `size`, seen from above.
+    fn bump(size: f64, height: f64) -> Chart {
+        let lift = |x: f64, y: f64| height * (6.0 * x).sin() * (6.0 * y).sin();
+        let disk = samples::bent(12, 12, |x, y| DVec3::new(x, y, lift(x, y)) * size);
+        let seen = disk.positions.iter().map(|p| p.truncate()).collect();
+        let start = flatten::rescale(&disk, seen);
+        Chart {
+            faces: (0..disk.triangles.len() as u32).collect(),
+            vertices: (0..disk.positions.len() as u32).collect(),
+            cut_map: start.clone(),
+            start_kind: StartKind::Planar,
+            start,
+            disk,
+            ..Chart::default()
+        }
+    }
+
+    fn chosen(charts: &[Chart], quality: Quality, steps: u32) -> Vec<usize> {
+        let options = UnwrapOptions { quality, steps, ..Default::default() };
+        choose(charts, &options, &Run::quiet())
+    }
+
+    #[test]
+    fn the_best_paying_charts_come_first_and_flat_ones_never() {
+        // As bent as another but smaller, flat, as large as another but bent less, bent most.
+        let charts = [bump(0.5, 0.1), bump(9.0, 0.0), bump(1.0, 0.05), bump(1.0, 0.1)];
+        assert_eq!(chosen(&charts, Quality::Best, 200), [3, 0, 2]);
+        assert!(chosen(&charts, Quality::Fast, 200).is_empty());
+        assert!(chosen(&charts[1..2], Quality::Best, 200).is_empty());
+    }
+
+    #[test]
+    fn a_balanced_job_trains_what_its_allowance_pays() {
+        let charts: Vec<Chart> = (0..6).map(|k| bump(1.0 - 0.1 * f64::from(k), 0.1)).collect();
+        let counts = [1, 60, 100, 100_000].map(|steps| {
+            let chosen = chosen(&charts, Quality::Balanced, steps);
+            assert!(chosen.iter().enumerate().all(|(i, &c)| i == c), "a smaller one went first");
+            chosen.len()
+        });
+        assert_eq!((counts[0], counts[3]), (6, 1), "all, and the best whatever it costs");
+        assert!(counts[1] < 6 && counts[1] > counts[2] && counts[2] > 1, "{counts:?}");
+        // More faces buy more training.
+        let mut more = charts.clone();
+        more.extend((0..40).map(|_| bump(9.0, 0.0)));
+        assert!(chosen(&more, Quality::Balanced, 100).len() > counts[2]);
+    }
+
+    #[test]
+    fn a_chart_that_memory_does_not_hold_is_given_up() {
+        let charts = [bump(1.0, 0.1), bump(1.0, 0.0)];
+        for (spare, chosen) in [(64 << 20, vec![0]), (1 << 10, vec![])] {
+            let budget = Budget::new(None, 64);
+            budget.hold((64 << 20) - spare).unwrap();
+            let run = Run::new(|_| {}, Cancel::default(), budget);
+            let options = UnwrapOptions { quality: Quality::Best, ..Default::default() };
+            assert_eq!(choose(&charts, &options, &run), chosen);
+            let (stage, scarce) = (Stage::Train, Scarce::Memory);
+            let given_up = Degradation { stage, gave_up: GaveUp::Training, scarce };
+            let expected = if chosen.is_empty() { vec![given_up] } else { Vec::new() };
+            assert_eq!(run.budget.degraded(), expected);
+        }
+    }
+
+    #[test]
+    fn networks_are_told_normals_creases_and_where_parts_end() {
+        // A roof over the line x = 2 of a sheet of 4 × 4 cells, of two parts that meet at y = 2.
+        let text = scenes::sheet(4, |x, _| -(x - 2.0).abs());
+        let mut scene = scenes::scene(&text);
+        scene.labels = Some((0..32).map(|f| f / 16).collect());
+        let segmentation = crate::contract::SegmentationSource::Labels;
+        let options = UnwrapOptions { segmentation, ..scenes::options() };
+        let (engine, run) = (scenes::engine(), Run::quiet());
+        let (_, solvers) = crate::pipeline::parts::find(&scene, &options, &engine, &run).unwrap();
+        let charts =
+            crate::pipeline::charting::cut(&solvers, &options, &engine, &run).unwrap().charts;
+        let all: Vec<usize> = (0..charts.len()).collect();
+        for (told, chart) in inputs(&solvers, &charts, &all).iter().zip(&charts) {
+            assert_eq!(told.id, u64::from(chart.faces[0]));
+            for (v, p) in chart.disk.positions.iter().enumerate() {
+                assert_eq!(told.crease[v] == 1.0, p.x == 2.0, "{p}");
+                assert!((told.normals[v].length() - 1.0).abs() < 1e-9);
+                if p.x != 2.0 {
+                    assert!(
+                        (told.normals[v].x - (p.x - 2.0).signum() * 0.5f64.sqrt()).abs() < 1e-9
+                    );
+                }
+                assert_eq!(told.boundary[v] == 1.0, told.rho[v] > 0.3);
+                if (p.y - 2.0).abs() > 1.5 {
+                    assert_eq!(told.rho[v], 0.0, "far from the other part: {p}");
+                }
+                if p.y == 2.0 {
+                    assert!(told.rho[v] > 0.2, "on the border of the other part: {p}");
+                }
+            }
+        }
+    }
+}

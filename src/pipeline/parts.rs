@@ -82,3 +82,69 @@ fn affordable(asked: SegmentOptions, surface: &Surface, run: &Run) -> SegmentOpt
     run.give_up(Stage::Segment, GaveUp::Network, Scarce::Time);
     SegmentOptions { source: SegmentationSource::Authored, ..asked }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::{AtlasGrouping, Degradation};
+    use crate::pipeline::scenes;
+
+    fn asked(segmentation: SegmentationSource) -> UnwrapOptions {
+        UnwrapOptions { segmentation, ..scenes::options() }
+    }
+
+    #[test]
+    fn the_weights_are_told_where_the_network_was_heard() {
+        let (run, engine) = (Run::quiet(), scenes::engine());
+        let told = |text: &str, labels: Option<Vec<i32>>, segmentation| {
+            let mut scene = scenes::scene(text);
+            scene.labels = labels;
+            find(&scene, &asked(segmentation), &engine, &run).unwrap().0.weights
+        };
+        let digest = Some(engine.weights.digest().to_owned());
+        assert_eq!(told(scenes::CUBE, None, SegmentationSource::Auto), digest);
+        assert_eq!(told(scenes::CUBE, None, SegmentationSource::Learned), digest);
+        for source in [SegmentationSource::Authored, SegmentationSource::Geometric] {
+            assert_eq!(told(scenes::CUBE, None, source), None, "{source}");
+        }
+        // Given labels are taken as they are.
+        assert_eq!(told(scenes::CUBE, Some(vec![3; 12]), SegmentationSource::Auto), None);
+        assert!(run.budget.degraded().is_empty());
+    }
+
+    #[test]
+    fn the_network_is_given_up_when_it_is_late() {
+        for (seconds, heard) in [(10, true), (22, false)] {
+            let run = scenes::late(seconds);
+            let (found, _) = scenes::found(scenes::CUBE, &asked(SegmentationSource::Auto), &run);
+            assert_eq!(found.weights.is_some(), heard);
+            let (stage, scarce) = (Stage::Segment, Scarce::Time);
+            let given_up = Degradation { stage, gave_up: GaveUp::Network, scarce };
+            assert_eq!(run.budget.degraded().contains(&given_up), !heard);
+            let authored = found.parts.parts[0].source == SegmentationSource::Authored;
+            assert!(heard || authored, "the parts are the file's own");
+        }
+        // Who does not ask for it gives up nothing.
+        let run = scenes::late(22);
+        scenes::found(scenes::CUBE, &asked(SegmentationSource::Authored), &run);
+        assert!(run.budget.degraded().is_empty());
+    }
+
+    #[test]
+    fn what_charts_may_not_cross_are_parts_and_if_asked_materials() {
+        // A square of two materials.
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n";
+        for (atlas, atlases) in
+            [(AtlasGrouping::Scene, vec![0]), (AtlasGrouping::Material, vec![0, 1])]
+        {
+            let mut scene = scenes::scene(text);
+            scene.labels = Some(vec![5, 5]);
+            let options = UnwrapOptions { atlas, ..asked(SegmentationSource::Labels) };
+            let (found, solvers) =
+                find(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
+            assert_eq!(found.parts.parts.len(), 1);
+            assert_eq!(solvers.regions.atlas, atlases);
+            assert_eq!(solvers.part_of, [0, 0]);
+        }
+    }
+}

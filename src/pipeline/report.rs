@@ -263,3 +263,98 @@ fn to_json(metrics: &Metrics) -> Result<Vec<u8>, Cause> {
 fn unwritable(error: serde_json::Error) -> Cause {
     Cause::Internal(format!("the result cannot be written as JSON: {error}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::{Budget, Cancel};
+    use crate::pipeline::scenes;
+
+    /// Two squares and a cube beside them, as far as the result; `change` may change what stands in the atlas.
+    fn reported(run: &Run, change: impl Fn(&mut CertifiedAtlas)) -> (CertifiedAtlas, Unwrapped) {
+        let text = scenes::and_a_cube(&scenes::squares(2), 8);
+        let options = scenes::options();
+        let (found, solvers, mut atlas) = scenes::atlas(&text, &options, run);
+        change(&mut atlas);
+        let seams = Some(JointSeams { pieces: 3, kept: 1, gain: Some(0.5) });
+        let (scene, engine) = (scenes::scene(&text), scenes::engine());
+        let result =
+            whole(&scene, &found, &solvers, &atlas, seams, &options, &engine, run).unwrap();
+        (atlas, result)
+    }
+
+    #[test]
+    fn each_chart_is_told_with_its_part_and_each_part_with_its_charts() {
+        let (atlas, result) = reported(&Run::quiet(), |_| {});
+        let m = &result.metrics;
+        assert_eq!(m.parts.iter().map(|p| p.faces).collect::<Vec<_>>(), [2, 2, 12]);
+        assert_eq!(m.charts.len(), atlas.charts.len());
+        assert!(m.charts.len() >= 4, "the cube has more than one");
+        for (c, mapped) in m.charts.iter().zip(&atlas.charts) {
+            assert_eq!(c.faces, mapped.chart.faces.len() as u64);
+            let of_part: Vec<usize> =
+                (0..3).filter(|&p| m.parts[p].charts.contains(&c.id)).collect();
+            assert_eq!(of_part, [c.part as usize]);
+        }
+        assert_eq!(m.atlas.joint_seams.unwrap().kept, 1);
+        assert_eq!((m.atlas.charts, m.atlas.width), (m.charts.len() as u32, 256));
+        assert!(m.deterministic && m.degraded.is_empty() && m.weights.is_none());
+        let kinds: Vec<ArtifactKind> = result.artifacts().iter().map(|a| a.kind).collect();
+        let (model, layout) = (ArtifactKind::Model, ArtifactKind::Layout);
+        assert_eq!(kinds, [model, ArtifactKind::Metrics, layout, ArtifactKind::Preview]);
+        let json = std::str::from_utf8(result.artifact(ArtifactKind::Metrics).unwrap());
+        assert_eq!(json.unwrap(), serde_json::to_string_pretty(m).unwrap());
+    }
+
+    #[test]
+    fn what_became_of_a_chart_is_told() {
+        let (_, result) = reported(&Run::quiet(), |atlas| {
+            let first = &mut atlas.charts[0];
+            (first.steps, first.enlarged, first.chamfer) = (40, true, Some(0.5));
+            atlas.certificates.charts[1].zero_area_3d = 6;
+        });
+        let m = &result.metrics;
+        assert_eq!((m.charts[0].steps, m.cost.steps, m.repairs.enlarged_faces), (40, 40, 1));
+        assert_eq!(m.charts[0].figures.paper_chamfer, Some(0.5));
+        assert_eq!(m.charts[1].figures.paper_chamfer, None);
+        assert_eq!(m.charts[1].certificate.zero_area_3d, 6);
+    }
+
+    #[test]
+    fn what_the_clock_decided_is_not_deterministic_and_what_memory_did_is() {
+        for (scarce, deterministic) in [(Scarce::Memory, true), (Scarce::Time, false)] {
+            let run = Run::quiet();
+            run.give_up(Stage::Train, GaveUp::Training, scarce);
+            let m = reported(&run, |_| {}).1.metrics;
+            assert_eq!(m.deterministic, deterministic);
+            assert!(m.degraded.len() == 1 && m.degraded[0].starts_with("train: too little"));
+        }
+    }
+
+    #[test]
+    fn without_memory_or_time_there_are_no_pictures() {
+        let budget = Budget::new(None, 64);
+        budget.hold(64 << 20).unwrap();
+        let poor = Run::new(|_| {}, Cancel::default(), budget);
+        for (run, said) in
+            [(poor, "preview: too little memory"), (scenes::late(86), "measure: too little time")]
+        {
+            let result = reported(&run, |_| {}).1;
+            assert_eq!(result.artifacts().len(), 2, "the model and the metrics");
+            assert!(result.metrics.degraded.iter().any(|d| d.starts_with(said)));
+        }
+    }
+
+    #[test]
+    fn a_job_that_ends_with_its_parts_tells_no_chart() {
+        let run = Run::quiet();
+        let (found, _) = scenes::found(&scenes::squares(2), &scenes::options(), &run);
+        let scene = scenes::scene(&scenes::squares(2));
+        let result = segmentation_only(&scene, &found, &scenes::engine(), &run).unwrap();
+        let m = &result.metrics;
+        assert!(m.charts.is_empty() && m.atlas == AtlasMetrics::default());
+        assert_eq!(m.parts.iter().map(|p| p.faces).collect::<Vec<_>>(), [2, 2]);
+        assert_eq!(result.artifact(ArtifactKind::Labels).unwrap(), b"0\n0\n1\n1\n");
+        assert!(result.artifact(ArtifactKind::Layout).is_none());
+    }
+}

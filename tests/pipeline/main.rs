@@ -4,14 +4,17 @@
 mod benchmarks;
 mod budget;
 mod certificate;
+mod maps;
+mod metrics;
 mod options;
+mod pages;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use uvsegnet::contract::{
-    ArtifactKind, ChartForm, DoubleSided, ErrorCode, InputRole, Limits, MeshKind, Quality,
-    Rotation, Run, SegmentationSource, StopAfter, UnwrapOptions,
+    ArtifactKind, DoubleSided, InputRole, Limits, MeshKind, Quality, Run, SegmentationSource,
+    StopAfter, UnwrapOptions,
 };
 use uvsegnet::device::Device;
 use uvsegnet::pipeline::{Engine, Input, InputFile, UnwrapError, Unwrapped, unwrap_input};
@@ -67,41 +70,6 @@ fn every_sample_comes_out_valid() {
         let faces: u64 = m.charts.iter().map(|c| c.faces).sum();
         assert_eq!(faces, m.parts.iter().map(|p| p.faces).sum::<u64>(), "{name}");
     }
-}
-
-#[test]
-fn training_runs_on_doubly_curved_charts_and_says_what_it_gained() {
-    let options = UnwrapOptions { quality: Quality::Best, ..quick() };
-    let m = unwrap_example("chair_small.glb", &options).metrics;
-    let trained: Vec<_> = m.charts.iter().filter(|c| c.steps > 0).collect();
-    assert!(trained.len() >= 4, "{} charts trained", trained.len());
-    for chart in trained {
-        let gain = chart.neural_gain.as_ref().unwrap();
-        let (start, control) = (gain.start.unwrap(), gain.start_polish.unwrap());
-        assert!(control <= start + 1e-9 && gain.net.unwrap() >= 1.0, "{gain:?}");
-        let shipped_net = chart.form == ChartForm::Trained;
-        assert!(!shipped_net || gain.gain.unwrap() > 0.0, "{gain:?}");
-    }
-    assert!(m.charts.iter().filter(|c| c.isometric_start).all(|c| c.steps == 0));
-}
-
-#[test]
-fn the_best_quality_trains_the_seams_and_never_loses_by_it() {
-    let options = UnwrapOptions { quality: Quality::Best, steps: 20, points: 64, ..quick() };
-    let metrics = unwrap_example("chair_small.glb", &options).metrics;
-    let joint = metrics.atlas.joint_seams.unwrap();
-    assert!(joint.pieces > 0 && joint.kept <= joint.pieces, "{joint:?}");
-    assert!(joint.gain.is_some_and(|gain| gain >= 0.0), "{joint:?}");
-    assert!(metrics.atlas.certificate.valid);
-    assert_eq!(unwrap_example("chair_small.glb", &quick()).metrics.atlas.joint_seams, None);
-}
-
-#[test]
-fn quality_fast_trains_nothing() {
-    let m =
-        unwrap_example("table.glb", &UnwrapOptions { quality: Quality::Fast, ..quick() }).metrics;
-    assert!(m.atlas.certificate.valid);
-    assert!(m.charts.iter().all(|c| c.steps == 0 && c.neural_gain.is_none()));
 }
 
 #[test]
@@ -177,89 +145,6 @@ fn double_sided_faces_become_two_sheets_or_share_one() {
     assert!(separate.atlas.certificate.valid && share.atlas.certificate.valid);
     assert!(share.atlas.certificate.shared_sheets && !separate.atlas.certificate.shared_sheets);
     assert_eq!(separate.atlas.charts, 2 * share.atlas.charts);
-}
-
-/// UDIM tiles that each triangle of a GLB's first texture coordinates lies in, v up.
-fn tiles(glb: &[u8]) -> Vec<[u32; 3]> {
-    let file = gltf::Gltf::from_slice(glb).unwrap();
-    let mut tiles = Vec::new();
-    for primitive in file.meshes().flat_map(|m| m.primitives()) {
-        let reader = primitive.reader(|_| file.blob.as_deref());
-        let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
-        let corners: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
-        let tile = |corner: u32| {
-            let [u, v] = uvs[corner as usize];
-            1001 + u.floor() as u32 + 10 * (1.0 - v).floor() as u32
-        };
-        tiles.extend(corners.chunks_exact(3).map(|t| [tile(t[0]), tile(t[1]), tile(t[2])]));
-    }
-    tiles
-}
-
-#[test]
-fn pages_go_to_tiles_of_their_own_or_share_one() {
-    // Twelve squares: each fills a page of its own.
-    let square = |k: u32| {
-        let (x, i) = (2 * k, 4 * k);
-        let corners = [(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)].map(|(x, y)| format!("v {x} {y} 0"));
-        format!("{}\nf {} {} {} {}\n", corners.join("\n"), i + 1, i + 2, i + 3, i + 4)
-    };
-    let squares: String = (0..12).map(square).collect();
-    let on = |pages, udim| {
-        let options = UnwrapOptions { pages, udim, quality: Quality::Fast, ..quick() };
-        unwrap(squares.as_bytes(), None, &options).unwrap()
-    };
-    let (one, many, apart) = (on(1, false), on(12, false), on(12, true));
-    let density = |result: &Unwrapped| result.metrics.atlas.figures.texel_density.unwrap().mean;
-    assert!(density(&many) > 3.0 * density(&one));
-    for (result, udim) in [(&many, false), (&apart, true)] {
-        let m = &result.metrics;
-        assert!(m.atlas.certificate.valid);
-        assert_eq!((m.atlas.pages, m.atlas.udim), (12, udim));
-        let pages: std::collections::BTreeSet<u32> = m.charts.iter().map(|c| c.page).collect();
-        assert_eq!(pages, (0..12).collect());
-        let tiles = tiles(result.artifact(ArtifactKind::Model).unwrap());
-        assert!(tiles.iter().all(|t| t.iter().all(|&tile| tile == t[0])), "no triangle is torn");
-        let tiles: std::collections::BTreeSet<u32> = tiles.iter().map(|t| t[0]).collect();
-        assert_eq!(tiles, if udim { (1001..1013).collect() } else { [1001].into() });
-        let layout = std::str::from_utf8(result.artifact(ArtifactKind::Layout).unwrap()).unwrap();
-        assert_eq!(layout.matches("<rect").count(), 12);
-    }
-}
-
-#[test]
-fn parts_get_the_density_that_was_asked_for() {
-    let with = |density: &str| {
-        let density = Some(density.to_owned());
-        let options = UnwrapOptions { density, quality: Quality::Fast, ..quick() };
-        let bytes = std::fs::read(example("table.glb")).unwrap();
-        unwrap(&bytes, None, &options)
-    };
-    let even = with("").unwrap().metrics;
-    let name = even.parts[1].name.clone();
-    assert_eq!(even.parts.iter().filter(|p| p.name == name).count(), 1);
-    let m = with(&format!("0=2,{name}=0.5")).unwrap().metrics;
-    assert!(m.atlas.certificate.valid);
-    let density = |part: usize| m.parts[part].figures.texel_density.unwrap().mean;
-    assert!((density(0) / density(2) - 2.0).abs() < 0.03, "{}", density(0) / density(2));
-    assert!((density(1) / density(2) - 0.5).abs() < 0.01, "{}", density(1) / density(2));
-    let error = with("lamp=2").unwrap_err();
-    assert_eq!(error.job_error().unwrap().code, ErrorCode::InvalidOption);
-    let said = error.to_string();
-    assert!(said.contains("lamp") && said.contains(&name) && said.contains("/density"), "{said}");
-}
-
-#[test]
-fn charts_keep_to_blocks_and_to_their_turns_when_asked() {
-    let options = UnwrapOptions {
-        block_align: true,
-        rotation: Rotation::None,
-        quality: Quality::Fast,
-        ..quick()
-    };
-    for name in ["table.glb", "chair_small.glb"] {
-        assert!(unwrap_example(name, &options).metrics.atlas.certificate.valid, "{name}");
-    }
 }
 
 #[test]

@@ -232,32 +232,3 @@ proptest! {
         }
     }
 }
-
-/// `cargo test --release -- --ignored --nocapture losses_are_quick`
-#[test]
-#[ignore = "prints times"]
-fn losses_are_quick() {
-    let scene = hills(22, 1); // 529 vertices, 968 triangles
-    for form in FORMS {
-        let terms = scene.terms(form, None);
-        let mut gradient = zeros(&scene);
-        let at = Annealing::at(0.0);
-        let mut time = |name: &str, weights: TermValues| {
-            let start = std::time::Instant::now();
-            let mut sum = 0.0;
-            for _ in 0..1000 {
-                let scale = terms.scale(&scene.uv);
-                sum += terms.evaluate_sum(&weights, &scene.uv, scale, at, &mut gradient)[0];
-            }
-            assert!(sum.is_finite());
-            println!("{form} {name}: {:.1} µs", start.elapsed().as_secs_f64() * 1e3);
-        };
-        time("scale alone", TermValues::default());
-        for term in Term::ALL.into_iter().filter(|t| terms.has(*t)) {
-            let mut alone = TermValues::default();
-            alone[term as usize] = 1.0;
-            time(&format!("{term:?}"), alone);
-        }
-        time("all", Term::ALL.map(Term::lambda));
-    }
-}
