@@ -130,7 +130,7 @@ async fn what_waits_is_claimed_and_finished_and_the_rest_is_kept() {
     let held = rows(&pool, "SELECT name, job_id FROM blobs").await;
     let held: Vec<String> = held.iter().map(|row| row.get("name")).collect();
     assert_eq!(queue.named(&held).await.unwrap().len(), held.len());
-    let inputs = "SELECT count(*) FROM job_inputs JOIN jobs ON jobs.id = job_id
+    let inputs = "SELECT count(*) FROM job_inputs JOIN jobs ON jobs.id = job_inputs.job_id
                   LEFT JOIN blobs ON blobs.name = blob
                   WHERE expired = (blobs.name IS NOT NULL)";
     let wrong: i64 = sqlx::query_scalar(inputs).fetch_one(&pool).await.unwrap();

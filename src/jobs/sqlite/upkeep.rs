@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row};
 
-use super::{QueueError, SqliteQueue, Stats, Swept, Worker, ago, now, rows, write};
-use crate::jobs::states::{Command, Gone, Policy, apply};
+use super::{JobId, QueueError, SqliteQueue, Stats, Swept, Worker, ago, now, rows, write};
+use crate::jobs::states::{Command, Gone, Policy, Standing, apply};
 use crate::jobs::worker::{WORKER_ALIVE, WORKER_FORGOTTEN};
 
 pub async fn register(queue: &SqliteQueue, worker: &Worker) -> Result<(), QueueError> {
@@ -38,6 +38,14 @@ pub async fn worker_gone(queue: &SqliteQueue, worker: &str) -> Result<Swept, Que
     Ok(swept)
 }
 
+/// How the jobs of these rows stand. One that cannot be read must not hold up the others.
+fn readable(rows: &[SqliteRow]) -> impl Iterator<Item = (JobId, Standing)> {
+    rows.iter().filter_map(|row| {
+        let read = rows::read(row, "id").and_then(|id| Ok((id, rows::standing_of(row)?)));
+        read.inspect_err(|error| tracing::error!(%error, "a job is passed over")).ok()
+    })
+}
+
 /// Take back the jobs of workers that are gone.
 pub async fn take_back(
     connection: &mut SqliteConnection,
@@ -50,8 +58,7 @@ pub async fn take_back(
         Gone::Lapsed => query.push("lease_until < ").push_bind(now().as_microsecond()),
     };
     let mut swept = Swept::default();
-    for row in query.build().fetch_all(&mut *connection).await? {
-        let (id, before) = (rows::read(&row, "id")?, rows::standing_of(&row)?);
+    for (id, before) in readable(&query.build().fetch_all(&mut *connection).await?) {
         if let Ok(change) = apply(&before, Command::TakeBack(gone), policy, now()) {
             write::change(connection, id, &before, &change).await?;
             swept += change.effects.swept;
@@ -139,8 +146,7 @@ pub async fn expire(queue: &SqliteQueue) -> Result<Vec<String>, QueueError> {
     let mut tx = queue.begin().await?;
     let mut query = QueryBuilder::new("SELECT * ");
     query.push(DUE).push_bind(now().as_microsecond());
-    for row in query.build().fetch_all(&mut *tx).await? {
-        let (id, before) = (rows::read(&row, "id")?, rows::standing_of(&row)?);
+    for (id, before) in readable(&query.build().fetch_all(&mut *tx).await?) {
         if let Ok(change) = apply(&before, Command::Expire, &queue.policy, now()) {
             gone.extend(write::change(&mut tx, id, &before, &change).await?);
         }
