@@ -127,13 +127,14 @@ impl FromStr for JobState {
 pub struct JobProgress {
     /// The stage it is in.
     pub stage: Stage,
-    /// Share of that stage that is done, 0 to 1.
+    /// Share of the job's work that is done, 0 to 1, weighted by the work that its size lets expect of each
+    /// stage. It never falls within an attempt.
     pub fraction: f64,
-    /// Parts whose charts are finished.
+    /// Parts of which every chart has its map.
     pub parts_done: u32,
     /// Parts in all; 0 until they are known.
     pub parts_total: u32,
-    /// Seconds until the stage is done, at its pace so far; null until there is a pace.
+    /// Seconds until the job is done, at its pace so far; null until there is a pace.
     #[schema(required)]
     pub eta_s: Option<f64>,
 }

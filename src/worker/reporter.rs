@@ -10,7 +10,7 @@ use crate::jobs::{EventData, JobProgress, NewEvent, PartCompletedEvent, StageEve
 /// Least time between two `progress` rows of a job.
 const PROGRESS_EVERY: Duration = Duration::from_millis(500);
 
-/// Share of a stage below which its pace says nothing.
+/// Share of the job's work below which its pace says nothing.
 const PACE_FROM: f64 = 0.05;
 
 /// Takes what the pipeline tells, from any thread; gives what is to be written.
@@ -28,7 +28,7 @@ struct State {
     changed: bool,
     /// Whether `now` is news of a stage that goes on.
     moved: bool,
-    stage_began: Instant,
+    began: Instant,
     progress_given: Option<Instant>,
 }
 
@@ -40,7 +40,7 @@ impl Reporter {
             now: None,
             changed: false,
             moved: false,
-            stage_began: Instant::now(),
+            began: Instant::now(),
             progress_given: None,
         };
         Self { attempt, state: Mutex::new(state) }
@@ -53,9 +53,9 @@ impl Reporter {
             Progress::Stage { stage } => {
                 tracing::info!(stage = stage.as_str(), "stage");
                 state.write(EventData::Stage(StageEvent { attempt: self.attempt, stage }));
-                state.stage_began = Instant::now();
-                let parts = state.now.as_ref().map_or((0, 0), |p| (p.parts_done, p.parts_total));
-                state.set(stage, 0.0, parts, None);
+                // What was done stays done.
+                let so_far = state.so_far(stage);
+                state.set(so_far);
                 // Progress of the stage before that was not yet given is thinned away.
                 state.moved = false;
             }
@@ -67,10 +67,11 @@ impl Reporter {
                     parts_total,
                     "progress"
                 );
-                let fraction = if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 };
-                let spent = state.stage_began.elapsed().as_secs_f64();
-                let eta = (fraction >= PACE_FROM).then(|| spent * (1.0 - fraction) / fraction);
-                state.set(stage, fraction, (parts_done, parts_total), eta);
+                // Whatever the pipeline says, the fraction never falls.
+                let fraction = state.so_far(stage).fraction.max(fraction.min(1.0));
+                let spent = state.began.elapsed().as_secs_f64();
+                let eta_s = (fraction >= PACE_FROM).then(|| spent * (1.0 - fraction) / fraction);
+                state.set(JobProgress { stage, fraction, parts_done, parts_total, eta_s });
                 state.moved = true;
             }
             Progress::PartCompleted { part, name, charts, symmetric_dirichlet } => {
@@ -114,9 +115,14 @@ impl State {
         self.events.push(NewEvent::now(data));
     }
 
-    fn set(&mut self, stage: Stage, fraction: f64, parts: (u32, u32), eta_s: Option<f64>) {
-        let (parts_done, parts_total) = parts;
-        self.now = Some(JobProgress { stage, fraction, parts_done, parts_total, eta_s });
+    /// How far the job came, in this stage.
+    fn so_far(&self, stage: Stage) -> JobProgress {
+        let none = JobProgress { stage, fraction: 0.0, parts_done: 0, parts_total: 0, eta_s: None };
+        self.now.clone().map_or(none, |now| JobProgress { stage, ..now })
+    }
+
+    fn set(&mut self, now: JobProgress) {
+        self.now = Some(now);
         self.changed = true;
     }
 }
@@ -169,7 +175,15 @@ mod tests {
         reporter.tell(progress(0.2));
         let eta = reporter.take().1.unwrap().eta_s.unwrap();
         assert!((0.2..0.8).contains(&eta), "{eta}");
-        reporter.tell(progress(f64::NAN));
-        assert_eq!(reporter.take().1.unwrap().fraction, 0.0);
+        // Neither a new stage nor a wrong number takes anything back.
+        reporter.tell(Progress::Stage { stage: Stage::Pack });
+        let now = reporter.take().1.unwrap();
+        assert_eq!((now.stage, now.fraction), (Stage::Pack, 0.2));
+        for wrong in [f64::NAN, 0.1, -1.0] {
+            reporter.tell(progress(wrong));
+            assert_eq!(reporter.take().1.unwrap().fraction, 0.2);
+        }
+        reporter.tell(progress(2.0));
+        assert_eq!(reporter.take().1.unwrap().fraction, 1.0);
     }
 }
