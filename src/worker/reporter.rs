@@ -67,8 +67,8 @@ impl Reporter {
                     parts_total,
                     "progress"
                 );
-                // Whatever the pipeline says, the fraction never falls.
-                let fraction = state.so_far(stage).fraction.max(fraction.min(1.0));
+                // The fraction never falls; `max` passes over what is no number.
+                let fraction = state.so_far(stage).fraction.max(fraction.clamp(0.0, 1.0));
                 let spent = state.began.elapsed().as_secs_f64();
                 let eta_s = (fraction >= PACE_FROM).then(|| spent * (1.0 - fraction) / fraction);
                 state.set(JobProgress { stage, fraction, parts_done, parts_total, eta_s });
