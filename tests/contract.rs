@@ -160,3 +160,27 @@ fn a_file_does_one_thing_and_says_which() {
         assert!(text.starts_with("//!"), "{} has no header", path.display());
     }
 }
+
+#[test]
+fn every_link_between_documents_leads_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut links = 0;
+    for folder in ["", "docs", "weights"] {
+        for entry in fs::read_dir(root.join(folder)).unwrap() {
+            let page = entry.unwrap().path();
+            if page.extension().is_none_or(|e| e != "md") {
+                continue;
+            }
+            for link in fs::read_to_string(&page).unwrap().split("](").skip(1) {
+                let target = link.split([')', '#', ' ']).next().unwrap_or_default();
+                if target.is_empty() || target.contains("://") {
+                    continue;
+                }
+                links += 1;
+                let there = page.parent().unwrap().join(target).exists();
+                assert!(there, "{} links to {target}", page.display());
+            }
+        }
+    }
+    assert!(links > 20, "only {links} links seen: the reader is broken");
+}

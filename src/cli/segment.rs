@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 
 use super::input::Files;
-use super::options::valid;
+use super::options::{PartOptions, valid};
 use super::progress_bar;
 use super::weights::WeightFlags;
-use crate::contract::{
-    ArtifactKind, Limits, MeshKind, Seed, SegmentationSource, StopAfter, UnwrapOptions,
-};
+use crate::contract::{ArtifactKind, Limits, MeshKind, StopAfter, UnwrapOptions};
 use crate::device::DeviceChoice;
 use crate::pipeline;
 
@@ -25,16 +23,9 @@ pub struct Args {
     /// one integer a line, line i for face i, −1 for a face without area.
     #[arg(short, long)]
     pub output: PathBuf,
-    /// Where the parts come from.
-    #[arg(long, value_enum, default_value_t)]
-    pub segmentation: SegmentationSource,
-    /// Neighbouring regions are one part if the probability that a part ends between them is at most
-    /// this, 0 to 1: lower gives more parts.
-    #[arg(long, default_value_t = UnwrapOptions::default().part_boundary)]
-    pub part_boundary: f64,
-    /// MiB of memory it may use.
-    #[arg(long, default_value_t = UnwrapOptions::default().budget_mib)]
-    pub budget_mib: u64,
+    /// What the parts depend on.
+    #[command(flatten)]
+    pub options: PartOptions,
     /// Labels that are known already.
     #[arg(long)]
     pub labels: Option<PathBuf>,
@@ -44,26 +35,17 @@ pub struct Args {
     /// Where the network runs: cpu, gpu, gpu:N, auto.
     #[arg(long, default_value_t)]
     pub device: DeviceChoice,
-    /// Seed of the sampling.
-    #[arg(long, default_value_t)]
-    pub seed: Seed,
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let options = UnwrapOptions {
-        segmentation: args.segmentation,
-        seed: args.seed,
-        part_boundary: args.part_boundary,
-        budget_mib: args.budget_mib,
-        stop_after: Some(StopAfter::Segmentation),
-        ..Default::default()
-    };
+    let stop_after = Some(StopAfter::Segmentation);
+    let options = UnwrapOptions { stop_after, ..args.options.0 };
     valid(&options)?;
     let files = Files::read(&args.input, args.labels.as_deref())?;
     let engine = args.weights.engine(&args.device)?;
     let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let mut kinds = ArtifactKind::ALL.iter().copied();
+    let mut kinds = ArtifactKind::ALL.iter().copied().filter(|kind| kind.when().is_of_parts());
     let wanted = kinds.find(|kind| kind.ending() == ending).unwrap_or(ArtifactKind::Labels);
     let (run, bar) = progress_bar::run(&options);
     let result =

@@ -60,6 +60,11 @@ pub enum Written {
 }
 
 impl Written {
+    /// Whether a job that ends with its parts writes it.
+    pub fn is_of_parts(self) -> bool {
+        matches!(self, Self::Always | Self::Parts | Self::Pictures)
+    }
+
     /// The same in words.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -85,7 +85,7 @@ macro_rules! numbers {
             }
 
             fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-                matches.remove_one(name)
+                taken(matches, name)
             }
 
             fn number(&self) -> Option<f64> {
@@ -102,7 +102,7 @@ impl OptionValue for bool {
     }
 
     fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-        matches.remove_one(name)
+        taken(matches, name)
     }
 }
 
@@ -131,8 +131,13 @@ impl OptionValue for String {
     }
 
     fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-        matches.remove_one(name)
+        taken(matches, name)
     }
+}
+
+/// What was given for a flag; nothing where the command does not have that flag.
+pub fn taken<T: Clone + Send + Sync + 'static>(matches: &mut ArgMatches, name: &str) -> Option<T> {
+    matches.try_remove_one(name).ok().flatten()
 }
 
 /// The flag of a value that is one of a few words.

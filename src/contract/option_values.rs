@@ -7,7 +7,7 @@ use clap::{Arg, ArgMatches, ValueEnum};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::ToSchema;
 
-use super::option_table::{OptionValue, text_flag, word_flag, words_of};
+use super::option_table::{OptionValue, taken, text_flag, word_flag, words_of};
 
 macro_rules! value {
     ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident),* $(,)? }) => {
@@ -30,7 +30,7 @@ macro_rules! value {
             }
 
             fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-                matches.remove_one(name)
+                taken(matches, name)
             }
 
             fn words() -> Vec<(String, String)> {
@@ -170,7 +170,7 @@ impl OptionValue for Seed {
     }
 
     fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-        matches.remove_one(name)
+        taken(matches, name)
     }
 }
 

@@ -144,7 +144,8 @@ pub struct JobProgress {
 pub struct Versions {
     /// Version of the program that ran (or last tried) the job; empty before the first attempt.
     pub engine: String,
-    /// `sha256:…` of the segmentation weights; null where none were used.
+    /// `sha256:…` of the segmentation weights of the worker that ran the job; null before the first attempt.
+    /// Whether they were asked, metrics.json says.
     #[schema(required)]
     pub weights: Option<String>,
 }

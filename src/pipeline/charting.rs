@@ -48,8 +48,7 @@ pub fn cut(
         if cut.charts.len() <= most {
             return Ok(cut);
         }
-        if run.is_late(Stage::Charts) {
-            run.give_up(Stage::Charts, GaveUp::Joining, Scarce::Time);
+        if run.skips(Stage::Charts, GaveUp::Joining) {
             break;
         }
         how.distortion_bound *= RAISE;
