@@ -4,19 +4,19 @@
 use rayon::prelude::*;
 
 use super::chart::{Chart, ChartShape};
-use super::compact::compact;
-use super::cost::edge_cost;
-use super::extent::shorten;
+use super::joins::merge::merge;
 use super::limits::Limits;
-use super::merge::merge;
+use super::limits::cost::edge_cost;
+use super::limits::extent::shorten;
+use super::limits::visibility::visibility;
+use super::moves::compact::compact;
+use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
 use super::patches::patches;
+use super::patches::sides::{Side, sides};
+use super::patches::split::halves;
+use super::patches::tube::{self, Tube};
 use super::patchwork::Patchwork;
-use super::sides::{Side, sides};
-use super::split::halves;
-use super::straighten::straighten;
-use super::tube::{self, Tube};
-use super::visibility::visibility;
 use crate::contract::{Canceled, GaveUp, Run, Stage, Steps, UnwrapOptions};
 use crate::device::Seeded;
 use crate::flatten;

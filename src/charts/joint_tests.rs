@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::build::patchwork;
+use super::joins::merge::merge;
 use super::limits::Limits;
-use super::merge::merge;
 use super::part_mesh::PartMesh;
 use super::scenes::*;
 use super::*;

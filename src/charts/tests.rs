@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::compact::compact;
-use super::fit::Fit;
 use super::limits::Limits;
+use super::limits::fit::Fit;
+use super::limits::visibility::visibility;
+use super::moves::compact::compact;
+use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
 use super::patchwork::Patchwork;
 use super::scenes::*;
-use super::straighten::straighten;
-use super::visibility::visibility;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
@@ -137,7 +137,7 @@ fn a_long_rod_is_divided_for_the_page() {
     let side = rod.area().sqrt();
     assert!((4..=8).contains(&charts.len()), "{}", charts.len());
     for chart in &charts {
-        assert!(extent::extent(&chart.cut_map).length < 1.7 * side);
+        assert!(limits::extent::extent(&chart.cut_map).length < 1.7 * side);
     }
 }
 

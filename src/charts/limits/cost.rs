@@ -1,7 +1,7 @@
 //! What a seam costs at an edge: seams belong where parts meet, where the surface bends and, above
 //! all, in concave creases, where materials change, and where they are hidden (pipeline: cut cost).
 
-use super::part_mesh::PartMesh;
+use crate::charts::part_mesh::PartMesh;
 use crate::mesh::NONE;
 
 /// Cost of a unit of seam where the surface is flat.

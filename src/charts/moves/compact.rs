@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::extent::sound_map;
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use crate::charts::limits::Limits;
+use crate::charts::limits::extent::sound_map;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, Run};
 
 /// Directions over half a turn in which a cut, and a rectangle's side, may run: an even number, so that

@@ -1,19 +1,28 @@
 //! What charts are made from: the sides of tubes, and patches of little bend that lie flat within the
 //! bound; a patch that does not is divided.
 
+mod cluster;
+mod initial;
+mod open;
+pub mod sides;
+pub mod split;
+pub mod tube;
+
+pub use initial::initial_patches;
+
 use rayon::prelude::*;
 
-use super::chart::StartKind;
-use super::cluster::cluster;
-use super::fit::{Fit, from_scratch};
-use super::limits::Limits;
-use super::open::open;
-use super::part_mesh::{PartMesh, Piece};
-use super::sides::{Side, glue_side};
-use super::split::halves;
+use crate::charts::chart::StartKind;
+use crate::charts::limits::Limits;
+use crate::charts::limits::fit::{Fit, from_scratch};
+use crate::charts::part_mesh::{PartMesh, Piece};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, flatten_triangle};
 use crate::mesh::NONE;
+use cluster::cluster;
+use open::open;
+use sides::{Side, glue_side};
+use split::halves;
 
 /// Patch of each local face, which edges are closed, and the map of each patch. The sides come
 /// first.

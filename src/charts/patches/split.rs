@@ -4,7 +4,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::part_mesh::PartMesh;
+use crate::charts::part_mesh::PartMesh;
 
 /// Divide connected local faces (at least two) into connected pieces, at least two of them, each
 /// ascending.

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 
 use super::attempt::Attempt;
 use super::candidates::{self, Candidate};
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use crate::charts::limits::Limits;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 
 /// Faces that all attempts together may flatten, per face of the part …

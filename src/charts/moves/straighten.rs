@@ -10,13 +10,13 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::attempt::{Motion, lay_out, rigid_motion};
-use super::candidates;
-use super::cost::edge_cost;
-use super::fit::{Fit, refine};
-use super::limits::Limits;
-use super::part_mesh::Piece;
-use super::patchwork::Patchwork;
+use crate::charts::joins::attempt::{Motion, lay_out, rigid_motion};
+use crate::charts::joins::candidates;
+use crate::charts::limits::Limits;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::limits::fit::{Fit, refine};
+use crate::charts::part_mesh::Piece;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{Flow, NONE};
 

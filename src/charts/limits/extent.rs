@@ -4,9 +4,9 @@
 
 use glam::DVec2;
 
+use super::Limits;
 use super::fit::is_sound;
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use crate::charts::patchwork::Patchwork;
 use crate::flatten::{quality, smallest_rectangle};
 use crate::mesh::NONE;
 

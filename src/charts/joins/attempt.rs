@@ -7,11 +7,11 @@ use glam::{DMat2, DVec2};
 
 use super::candidates::Candidate;
 use super::collision::collide;
-use super::extent::{self, Extent};
-use super::fit::{Fit, Joined, refine};
-use super::limits::Limits;
-use super::part_mesh::Piece;
-use super::patchwork::{Patchwork, next};
+use crate::charts::limits::Limits;
+use crate::charts::limits::extent::{self, Extent};
+use crate::charts::limits::fit::{Fit, Joined, refine};
+use crate::charts::part_mesh::Piece;
+use crate::charts::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
 
 /// A path whose two sides differ by more than this share of its length (rms, after the best rigid

@@ -1,5 +1,10 @@
 //! What a chart may cost, for charts of one surface.
 
+pub mod cost;
+pub mod extent;
+pub mod fit;
+pub mod visibility;
+
 use crate::mesh::Surface;
 
 /// λ of the objective, as a share of the distortion bound.
