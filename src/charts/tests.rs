@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::limits::Limits;
+use super::limits::ChartLimits;
 use super::limits::fit::Fit;
 use super::limits::visibility::visibility;
 use super::moves::compact::compact;
@@ -185,7 +185,7 @@ fn a_jagged_seam_is_moved_straight() {
         let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
         work.place(chart, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
     }
-    straighten(&mut work, &[0, 1], &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+    straighten(&mut work, &[0, 1], &ChartLimits::new(&s, 0.01), &Run::quiet()).unwrap();
     let seam = |work: &Patchwork| -> f64 {
         let across = |h: &u32| work.across(*h) == Some(1);
         work.rims[0].iter().flatten().filter(|h| across(h)).map(|&h| mesh.length(h)).sum()
@@ -214,7 +214,7 @@ fn an_angle_of_two_arms_is_divided_where_they_meet_and_a_square_is_not() {
         let piece = mesh.cut_open(work.faces[0].clone(), &work.glued);
         let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
         work.place(0, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
-        let changed = compact(&mut work, &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+        let changed = compact(&mut work, &ChartLimits::new(&s, 0.01), &Run::quiet()).unwrap();
         assert_eq!(work.faces.len(), pieces);
         assert_eq!(changed.len(), if pieces > 1 { pieces } else { 0 });
         let left: f64 = work.extent.iter().map(|e| e.rectangle).sum();

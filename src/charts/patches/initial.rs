@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::sides::sides;
 use super::tube;
 use crate::charts::build::{ChartOptions, patchwork, pieces};
-use crate::charts::limits::Limits;
+use crate::charts::limits::ChartLimits;
 use crate::charts::limits::visibility::visibility;
 use crate::charts::part_mesh::PartMesh;
 use crate::contract::{Canceled, Run};
@@ -20,7 +20,7 @@ pub fn initial_patches(
     options: &ChartOptions,
     run: &Run,
 ) -> Result<Vec<u32>, Canceled> {
-    let limits = Limits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let part = |f: u32| part_of[f as usize];
     let mut faces: Vec<u32> = (0..part_of.len() as u32)

@@ -13,7 +13,7 @@ pub use initial::initial_patches;
 use rayon::prelude::*;
 
 use crate::charts::chart::StartKind;
-use crate::charts::limits::Limits;
+use crate::charts::limits::ChartLimits;
 use crate::charts::limits::fit::{Fit, from_scratch};
 use crate::charts::part_mesh::{PartMesh, Piece};
 use crate::contract::{Canceled, Run};
@@ -32,7 +32,7 @@ pub type Patches = (Vec<u32>, Vec<bool>, Vec<(Piece, Fit)>);
 pub fn patches(
     mesh: &PartMesh,
     sides: &[Side],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Patches, Canceled> {
     let mut patch_of = vec![NONE; mesh.len()];
@@ -103,7 +103,7 @@ fn lay_flat(
     mesh: &PartMesh,
     faces: &[u32],
     [inside, opened]: [&[bool]; 2],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<(Piece, Fit, bool)>, Canceled> {
     let piece = mesh.cut_open(faces.to_vec(), inside);
@@ -117,7 +117,7 @@ fn lay_flat(
     Ok(fit_patch(&piece, limits, run)?.map(|fit| (piece, fit, false)))
 }
 
-fn fit_patch(piece: &Piece, limits: &Limits, run: &Run) -> Result<Option<Fit>, Canceled> {
+fn fit_patch(piece: &Piece, limits: &ChartLimits, run: &Run) -> Result<Option<Fit>, Canceled> {
     if let &[triangle] = &piece.disk.triangles[..] {
         let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
         return Ok(Some(Fit {

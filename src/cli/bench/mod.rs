@@ -3,8 +3,8 @@
 
 mod determinism;
 mod files;
-mod how;
 mod object;
+mod options;
 mod peer;
 mod quality;
 mod same;

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow};
 use serde_json::{Map, Value, json};
 
 use super::files::guarded;
-use super::how::unwrap;
+use super::options::unwrap;
 use super::{peer, table};
 use crate::cli::input::Files;
 use crate::contract::{

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::files::Shard;
-use super::how::How;
 use super::object::{self, Arms};
+use super::options::BenchOptions;
 use super::table;
 use crate::contract::MeshKind;
 
@@ -46,12 +46,12 @@ pub struct Args {
     #[arg(long)]
     pub models: Option<PathBuf>,
     #[command(flatten)]
-    pub how: How,
+    pub bench: BenchOptions,
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let engine = args.how.engine()?;
+    let engine = args.bench.engine()?;
     let shard = args.shard.of(&args.dir)?.into_iter();
     let done = done(&args.output)?;
     let folder = std::env::temp_dir().join(format!("uvsegnet-bench-{}", std::process::id()));
@@ -60,7 +60,7 @@ pub fn run(args: Args) -> Result<()> {
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let arms = Arms {
-        options: &args.how.options,
+        options: &args.bench.options,
         engine: &engine,
         single: args.single,
         judge: args.judge.as_deref(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::Value;
 
-use super::how::unwrap;
+use super::options::unwrap;
 use crate::charts::{self, ChartOptions};
 use crate::cli::input::Files;
 use crate::contract::{ArtifactKind, Limits, MeshKind, Metrics, Run, UnwrapOptions};
