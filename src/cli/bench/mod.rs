@@ -7,6 +7,7 @@ mod object;
 mod options;
 mod peer;
 mod quality;
+mod row;
 mod same;
 mod segmentation;
 mod sheet;

@@ -77,7 +77,7 @@ pub fn run(args: Args) -> Result<()> {
     for path in open.take(args.limit.unwrap_or(usize::MAX)) {
         let line = object::line(&named(&path), &path, &arms);
         eprintln!("{}", table::brief(&line));
-        writeln!(lines, "{line}").context("cannot write a line")?;
+        writeln!(lines, "{}", serde_json::to_string(&line)?).context("cannot write a line")?;
     }
     std::fs::remove_dir_all(&folder).ok();
     println!("{}", table::table(&table::read(&args.output)?));
@@ -90,5 +90,5 @@ fn done(output: &Path) -> Result<BTreeSet<String>> {
         return Ok(BTreeSet::new());
     }
     let lines = table::read(output)?;
-    Ok(lines.iter().filter_map(|l| l["object"].as_str().map(str::to_owned)).collect())
+    Ok(lines.into_iter().map(|l| l.object).collect())
 }
