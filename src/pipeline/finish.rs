@@ -61,14 +61,15 @@ fn settle(
     mut placing: impl FnMut(Vec<Mapped>, u32) -> Result<Packed, Cause>,
 ) -> Result<CertifiedAtlas, Cause> {
     let mut fault = String::new();
-    let mut padding = options.padding;
+    let asked = PackOptions::from(options).padding;
+    let mut padding = asked;
     for round in 0..ROUNDS {
         run.stage(Stage::Pack)?;
         let Packed { atlas, scales, lost } = placing(charts, padding)?;
         if atlas.certificates.atlas.valid {
             return Ok(atlas);
         }
-        fault = certify::fault(&atlas.certificates.atlas, options.padding);
+        fault = certify::fault(&atlas.certificates.atlas, asked);
         let failed: Vec<bool> = atlas.certificates.charts.iter().map(is_at_fault).collect();
         if !failed.iter().any(|&f| f) {
             padding += 1;
@@ -131,7 +132,8 @@ fn place(
     for (i, mapped) in charts.iter().enumerate() {
         groups.entry(regions.atlas[mapped.chart.part as usize]).or_default().push(i);
     }
-    let grid = if options.udim { Grid::Tiles } else { Grid::Page };
+    let asked = PackOptions::from(options);
+    let grid = asked.grid;
     let weight = |&i: &usize| found.densities[regions.part[charts[i].chart.part as usize] as usize];
     let mut page_of = vec![0; charts.len()];
     let mut scales = vec![0.0; charts.len()];
@@ -140,11 +142,8 @@ fn place(
     for members in groups.values() {
         let input: Vec<_> =
             members.iter().map(|&i| (&charts[i].chart.disk, &charts[i].uv)).collect();
-        let packing = PackOptions {
-            padding,
-            weights: members.iter().map(weight).collect(),
-            ..PackOptions::from(options)
-        };
+        let packing =
+            PackOptions { padding, weights: members.iter().map(weight).collect(), ..asked.clone() };
         let atlas = atlas::pack(&input, &packing, run)?;
         for ((&i, placement), uv) in members.iter().zip(&atlas.placements).zip(atlas.uvs) {
             page_of[i] = pages + placement.page;
@@ -167,8 +166,8 @@ fn place(
         .collect();
     let demands = Demands {
         pages,
-        page_size: options.page_size,
-        padding: options.padding,
+        page_size: asked.page_size,
+        padding: asked.padding,
         diagonal: found.surface.diagonal,
         shared_sheets: options.double_sided == DoubleSided::Share,
     };

@@ -8,7 +8,7 @@ use rayon::ThreadPool;
 
 use super::files::{guarded, named, stem};
 use super::options::{BenchOptions, unwrap};
-use crate::cli::input::Files;
+use crate::cli::input::{Beside, Files};
 use crate::contract::{MeshKind, UnwrapOptions};
 use crate::pipeline::{Engine, Unwrapped};
 
@@ -69,7 +69,7 @@ fn compare(
     engine: &Engine,
     pools: &[ThreadPool],
 ) -> Result<(String, bool)> {
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrap = |pool: &ThreadPool| pool.install(|| unwrap(&files, options, engine));
     let first = unwrap(&pools[0])?;
     let mut text = format!("{} triangles", triangles(&first));

@@ -11,7 +11,7 @@ use super::files::guarded;
 use super::options::unwrap;
 use super::peer;
 use super::row::{Measured, PeerFigures, ROUNDING, ResultFigures, Row};
-use crate::cli::input::Files;
+use crate::cli::input::{Beside, Files};
 use crate::contract::{
     ArtifactKind, Limits, Metrics, Quality, Run, SegmentationSource, UnwrapOptions,
 };
@@ -48,7 +48,7 @@ pub fn line(name: &str, path: &Path, arms: &Arms) -> Row {
 
 fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
     let labels = labels_beside(path);
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrapped = unwrap(&files, arms.options, arms.engine)?;
     let input = files.input();
     let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
@@ -63,7 +63,7 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
             at_peers = matched(&files, &unwrapped.metrics, peer, arms)?;
         }
         if let Some(labels) = labels {
-            let files = Files::read(path, Some(&labels))?;
+            let files = Files::read(path, &Beside::labels(labels))?;
             let options = UnwrapOptions {
                 segmentation: SegmentationSource::Labels,
                 quality: Quality::Fast,

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use super::files::{Shard, guarded, named, stem};
 use super::options::{BenchOptions, unwrap};
-use crate::cli::input::Files;
+use crate::cli::input::{Beside, Files};
 use crate::contract::{ArtifactKind, MeshKind, Metrics, UnwrapOptions};
 use crate::pipeline::Engine;
 use crate::preview::{SheetCell, contact_sheet};
@@ -65,7 +65,7 @@ pub fn run(args: Args) -> Result<()> {
 
 /// One object: unwrapped, with its name and its figures.
 fn cell(path: &Path, options: &UnwrapOptions, engine: &Engine) -> Result<SheetCell> {
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrapped = unwrap(&files, options, engine)?;
     let preview = unwrapped.artifact(ArtifactKind::Preview).ok_or_else(|| anyhow!("no preview"))?;
     let mut caption = vec![stem(path)];
