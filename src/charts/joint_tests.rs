@@ -1,4 +1,4 @@
-//! Joint seams: the over-cut state, and joining in the order that a soft map says.
+//! Joint seams: the over-cut mesh, and merging in the order that a soft map says.
 
 use glam::DVec3;
 

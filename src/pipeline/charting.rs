@@ -79,11 +79,11 @@ fn attempt(
     let joint_seams = openness.map(|_| {
         let kept = |arms: &&Arms| arms.joint < arms.control;
         let sum = |of: fn(&Arms) -> f64| built.arms.iter().map(of).sum::<f64>();
-        let (control, best) = (sum(|a| a.control), sum(|a| a.control.min(a.joint)));
+        let (baseline, best) = (sum(|a| a.control), sum(|a| a.control.min(a.joint)));
         JointSeams {
             pieces: built.arms.len() as u32,
             kept: built.arms.iter().filter(kept).count() as u32,
-            gain: (control > 0.0).then(|| (control - best) / control),
+            gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
         }
     });
     Ok(Cut { charts: built.charts, joint_seams })

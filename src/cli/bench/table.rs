@@ -93,9 +93,9 @@ type Row = (&'static str, fn(&[&Value]) -> String);
 const ROWS: [Row; 22] = [
     ("objects", |l| l.len().to_string()),
     ("valid", |l| count(l, |l| l["ours"]["valid"] == true)),
-    ("valid for the judge", |l| {
-        let judged: Vec<&Value> = l.iter().copied().filter(|l| l["judge"].is_object()).collect();
-        count(&judged, |l| l["judge"]["meshes"][0]["validity"]["valid"] == true)
+    ("valid by the independent measure", |l| {
+        let measured: Vec<&Value> = l.iter().copied().filter(|l| l["judge"].is_object()).collect();
+        count(&measured, |l| l["judge"]["meshes"][0]["validity"]["valid"] == true)
     }),
     ("symmetric Dirichlet, median", |l| quantile(l, 0.5, |l| ours(l, "symmetric_dirichlet"))),
     ("… 95th percentile", |l| quantile(l, 0.95, |l| ours(l, "symmetric_dirichlet"))),
@@ -164,7 +164,7 @@ fn quantile(lines: &[&Value], share: f64, of: impl Fn(&Value) -> Option<f64>) ->
 }
 
 /// On how many objects we need fewer charts and shorter seams (or as few, where there is nothing to
-/// save: one chart a sheet) with no more distortion than the peer.
+/// save: one chart) with no more distortion than the peer.
 fn dominance(lines: &[&Value]) -> String {
     let both: Vec<&Value> = lines
         .iter()
