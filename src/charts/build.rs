@@ -4,19 +4,19 @@
 use rayon::prelude::*;
 
 use super::chart::{Chart, ChartShape};
-use super::compact::compact;
-use super::cost::edge_cost;
-use super::extent::shorten;
-use super::limits::Limits;
-use super::merge::merge;
+use super::joins::merge::merge;
+use super::limits::ChartLimits;
+use super::limits::cost::edge_cost;
+use super::limits::extent::shorten;
+use super::limits::visibility::visibility;
+use super::moves::compact::compact;
+use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
 use super::patches::patches;
+use super::patches::sides::{Side, sides};
+use super::patches::split::halves;
+use super::patches::tube::{self, Tube};
 use super::patchwork::Patchwork;
-use super::sides::{Side, sides};
-use super::split::halves;
-use super::straighten::straighten;
-use super::tube::{self, Tube};
-use super::visibility::visibility;
 use crate::contract::{Canceled, GaveUp, Run, Stage, Steps, UnwrapOptions};
 use crate::device::Seeded;
 use crate::flatten;
@@ -99,7 +99,7 @@ pub fn build_jointly(
             faces[p as usize].push(f as u32);
         }
     }
-    let limits = Limits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let seen = visibility.as_deref();
     let usable = surface.usable.iter().filter(|&&u| u).count();
@@ -107,11 +107,11 @@ pub fn build_jointly(
     // Training the seams was the first half.
     let from = if openness.is_some() { 0.5 } else { 0.0 };
     let steps = Some(run.steps(STEPS * usable, from, 1.0));
-    let how = How { surface, seen, openness, restarts, limits: &limits, run, steps };
+    let cutter = Cutter { surface, seen, openness, restarts, limits: &limits, run, steps };
     let parts: Result<Vec<Built>, Canceled> = faces
         .into_par_iter()
         .enumerate()
-        .map(|(part, faces)| how.build(part as u32, faces))
+        .map(|(part, faces)| cutter.build(part as u32, faces))
         .collect();
     let mut built = Built::default();
     for part in parts? {
@@ -130,32 +130,33 @@ pub fn split_chart(
 ) -> Result<Vec<Chart>, Canceled> {
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
-    let limits = Limits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::new(surface, options.distortion_bound);
     let (restarts, steps) = (0, None);
-    let how = How { surface, seen: None, openness: None, restarts, limits: &limits, run, steps };
+    let cutter =
+        Cutter { surface, seen: None, openness: None, restarts, limits: &limits, run, steps };
     let mut built = Built::default();
     for half in halves(&mesh, &all) {
         let faces = half.iter().map(|&f| mesh.faces[f as usize]).collect();
         let half = PartMesh::new(surface, faces);
-        how.weld(&half, chart.part, None, &[], &mut built)?;
+        cutter.weld(&half, chart.part, None, &[], &mut built)?;
     }
     Ok(built.charts)
 }
 
 /// What every part is cut with.
-struct How<'a> {
+struct Cutter<'a> {
     surface: &'a Surface,
     seen: Option<&'a [f32]>,
     openness: Option<&'a [f32]>,
     /// Orders to be tried besides the first.
     restarts: u64,
-    limits: &'a Limits,
+    limits: &'a ChartLimits,
     run: &'a Run,
     /// Where progress is counted.
     steps: Option<Steps<'a>>,
 }
 
-impl How<'_> {
+impl Cutter<'_> {
     /// One of the [`STEPS`] of a component is done.
     fn step(&self, mesh: &PartMesh) {
         if let Some(steps) = &self.steps {
@@ -239,7 +240,7 @@ pub fn pieces(mesh: &PartMesh) -> Vec<Vec<u32>> {
 pub fn patchwork<'a>(
     mesh: &'a PartMesh<'a>,
     sides: &[Side],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Patchwork<'a>, Canceled> {
     let (patch_of, glued, fits) = patches(mesh, sides, limits, run)?;
@@ -254,7 +255,7 @@ pub fn patchwork<'a>(
 fn join<'a>(
     mut work: Patchwork<'a>,
     openness: Option<&[f32]>,
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Patchwork<'a>, Canceled> {
     let all: Vec<u32> = (0..work.faces.len() as u32).collect();
@@ -271,7 +272,7 @@ fn join<'a>(
 }
 
 /// Φ·ΣA of a component: energy, and what its seams and its charts are worth.
-fn objective(work: &Patchwork, limits: &Limits) -> f64 {
+fn objective(work: &Patchwork, limits: &ChartLimits) -> f64 {
     let open = |h: &u32| {
         let t = work.mesh.twin[*h as usize];
         t != NONE && *h < t && !work.glued[*h as usize]

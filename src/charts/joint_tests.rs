@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::build::patchwork;
-use super::limits::Limits;
-use super::merge::merge;
+use super::joins::merge::merge;
+use super::limits::ChartLimits;
 use super::part_mesh::PartMesh;
 use super::scenes::*;
 use super::*;
@@ -45,7 +45,7 @@ fn box_beside_a_plate() -> (Surface, Vec<u32>) {
 fn a_box_is_joined_where_a_soft_map_has_closed_it() {
     let (s, _) = box_beside_a_plate();
     // However wasteful a net is.
-    let limits = Limits { waste: 9.0, length: 99.0, ..Limits::new(&s, 0.01) };
+    let limits = ChartLimits { waste: 9.0, length: 99.0, ..ChartLimits::new(&s, 0.01) };
     let mesh = PartMesh::new(&s, (0..12).collect());
     // Two nets: a strip of the four sides around an axis, with a cap on its first and on its last. Sides
     // of the box are those of `solid_box`: −x, +x, −y, +y, −z, +z.

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::chart::StartKind;
-use super::extent::{Extent, extent};
-use super::fit::Fit;
+use super::limits::extent::{Extent, extent};
+use super::limits::fit::Fit;
 use super::part_mesh::{PartMesh, Piece};
 use crate::flatten::{UvMap, quality};
 use crate::mesh::NONE;

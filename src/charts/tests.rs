@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::compact::compact;
-use super::fit::Fit;
-use super::limits::Limits;
+use super::limits::ChartLimits;
+use super::limits::fit::Fit;
+use super::limits::visibility::visibility;
+use super::moves::compact::compact;
+use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
 use super::patchwork::Patchwork;
 use super::scenes::*;
-use super::straighten::straighten;
-use super::visibility::visibility;
 use super::*;
 use crate::contract::Run;
 use crate::flatten::{Border, certify, quality};
@@ -137,7 +137,7 @@ fn a_long_rod_is_divided_for_the_page() {
     let side = rod.area().sqrt();
     assert!((4..=8).contains(&charts.len()), "{}", charts.len());
     for chart in &charts {
-        assert!(extent::extent(&chart.cut_map).length < 1.7 * side);
+        assert!(limits::extent::extent(&chart.cut_map).length < 1.7 * side);
     }
 }
 
@@ -185,7 +185,7 @@ fn a_jagged_seam_is_moved_straight() {
         let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
         work.place(chart, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
     }
-    straighten(&mut work, &[0, 1], &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+    straighten(&mut work, &[0, 1], &ChartLimits::new(&s, 0.01), &Run::quiet()).unwrap();
     let seam = |work: &Patchwork| -> f64 {
         let across = |h: &u32| work.across(*h) == Some(1);
         work.rims[0].iter().flatten().filter(|h| across(h)).map(|&h| mesh.length(h)).sum()
@@ -214,7 +214,7 @@ fn an_angle_of_two_arms_is_divided_where_they_meet_and_a_square_is_not() {
         let piece = mesh.cut_open(work.faces[0].clone(), &work.glued);
         let uv = piece.disk.positions.iter().map(|p| p.truncate()).collect();
         work.place(0, &piece, &Fit { uv, energy: 0.0, kind: StartKind::Planar });
-        let changed = compact(&mut work, &Limits::new(&s, 0.01), &Run::quiet()).unwrap();
+        let changed = compact(&mut work, &ChartLimits::new(&s, 0.01), &Run::quiet()).unwrap();
         assert_eq!(work.faces.len(), pieces);
         assert_eq!(changed.len(), if pieces > 1 { pieces } else { 0 });
         let left: f64 = work.extent.iter().map(|e| e.rectangle).sum();

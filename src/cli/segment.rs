@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
-use super::input::Files;
+use super::input::{Beside, Files};
 use super::options::{PartOptions, valid};
 use super::progress_bar;
 use super::weights::WeightFlags;
@@ -26,9 +26,9 @@ pub struct Args {
     /// What the parts depend on.
     #[command(flatten)]
     pub options: PartOptions,
-    /// Labels that are known already.
-    #[arg(long)]
-    pub labels: Option<PathBuf>,
+    /// What stands beside the mesh.
+    #[command(flatten)]
+    pub beside: Beside,
     /// Which weights the network has.
     #[command(flatten)]
     pub weights: WeightFlags,
@@ -42,7 +42,7 @@ pub fn run(args: Args) -> Result<()> {
     let stop_after = Some(StopAfter::Segmentation);
     let options = UnwrapOptions { stop_after, ..args.options.0 };
     valid(&options)?;
-    let files = Files::read(&args.input, args.labels.as_deref())?;
+    let files = Files::read(&args.input, &args.beside)?;
     let engine = args.weights.engine(&args.device)?;
     let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default();
     let mut kinds = ArtifactKind::ALL.iter().copied().filter(|kind| kind.when().is_of_parts());

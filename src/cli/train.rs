@@ -24,9 +24,9 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 enum What {
     /// Pre-train the encoder without labels, as a masked autoencoder.
-    Pretrain(How),
+    Pretrain(RunArgs),
     /// Learn parts and names from labelled objects.
-    Finetune(How),
+    Finetune(RunArgs),
     /// Train the boundary classifier: with a network that is trained, between which regions parts end.
     Joins(Joins),
 }
@@ -108,7 +108,7 @@ fn joins(args: Joins) -> Result<()> {
 
 /// How to train.
 #[derive(Debug, clap::Args)]
-struct How {
+struct RunArgs {
     /// Folder of the run: checkpoints, weights, curves. A run that stands there is taken up again.
     #[arg(short, long)]
     output: PathBuf,
@@ -160,35 +160,35 @@ struct How {
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let (task, how) = match args.what {
-        What::Pretrain(how) => (Task::Pretrain, how),
-        What::Finetune(how) => (Task::Finetune, how),
+    let (task, run) = match args.what {
+        What::Pretrain(run) => (Task::Pretrain, run),
+        What::Finetune(run) => (Task::Finetune, run),
         What::Joins(args) => return joins(args),
     };
     let recipe = Recipe {
         task,
-        size: how.size,
+        size: run.size,
         data: Data {
-            procedural: how.procedural,
-            folders: how.folders,
-            licences: if how.any_licence { Vec::new() } else { how.licences },
-            real_percent: how.real_percent,
-            held_out_percent: how.held_out_percent,
+            procedural: run.procedural,
+            folders: run.folders,
+            licences: if run.any_licence { Vec::new() } else { run.licences },
+            real_percent: run.real_percent,
+            held_out_percent: run.held_out_percent,
         },
-        steps: how.steps,
-        batch: how.batch.max(1),
-        rate: how.rate,
-        seed: how.seed,
-        start: how.start,
-        every: how.every,
+        steps: run.steps,
+        batch: run.batch.max(1),
+        rate: run.rate,
+        seed: run.seed,
+        start: run.start,
+        every: run.every,
     };
-    let device = choose(&how.device)?;
+    let device = choose(&run.device)?;
     eprintln!("training on {}", device.description());
     let bar = ProgressBar::new(u64::from(recipe.steps)).with_style(ProgressStyle::with_template(
         "{bar:30} {pos}/{len} steps, {elapsed} gone, {eta} to go, loss {msg}",
     )?);
     let mut smooth = f64::NAN;
-    let report = training::train(&recipe, &how.output, &device, &Run::quiet(), &mut |event| {
+    let report = training::train(&recipe, &run.output, &device, &Run::quiet(), &mut |event| {
         match event {
             Event::Data(learned, real, held_out, left_out) => bar.suspend(|| {
                 eprintln!(
@@ -215,7 +215,7 @@ pub fn run(args: Args) -> Result<()> {
         report.steps,
         report.seconds,
         report.loss,
-        how.output.join("model.safetensors").display()
+        run.output.join("model.safetensors").display()
     );
     Ok(())
 }

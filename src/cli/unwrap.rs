@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::input::Files;
+use super::input::{Beside, Files};
 use super::options::valid;
 use super::outputs::Outputs;
 use super::progress_bar;
@@ -22,9 +22,9 @@ pub struct Args {
     /// Where the files go.
     #[command(flatten)]
     pub outputs: Outputs,
-    /// Part labels: one integer a line, line i for face i, −1 unknown.
-    #[arg(long)]
-    pub labels: Option<PathBuf>,
+    /// What stands beside the mesh.
+    #[command(flatten)]
+    pub beside: Beside,
     /// Device to train on: auto, cpu, gpu or gpu:N.
     #[arg(long, default_value_t)]
     pub device: DeviceChoice,
@@ -38,7 +38,7 @@ pub struct Args {
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
     valid(&args.options)?;
-    let files = Files::read(&args.input, args.labels.as_deref())?;
+    let files = Files::read(&args.input, &args.beside)?;
     let engine = args.weights.engine(&args.device)?;
     let (run, bar) = progress_bar::run(&args.options);
     let result =

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 macro_rules! input_roles {
-    ($($variant:ident $name:literal $part:literal $holds:literal,)*) => {
+    ($($variant:ident $name:literal $part:literal $holds:literal $what:literal,)*) => {
         /// What an input file is for.
         #[derive(
             Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema,
         )]
         #[serde(rename_all = "snake_case")]
         pub enum InputRole {
-            $(#[doc = concat!("It ", $holds, ".")] $variant,)*
+            $(#[doc = concat!($what, ".")] $variant,)*
         }
 
         impl InputRole {
@@ -26,7 +26,7 @@ macro_rules! input_roles {
                 match self { $(InputRole::$variant => $name,)* }
             }
 
-            /// The part of a form that holds it.
+            /// The part of a form that holds it, and the flag of the command line that names it.
             pub fn form_part(self) -> &'static str {
                 match self { $(InputRole::$variant => $part,)* }
             }
@@ -35,13 +35,19 @@ macro_rules! input_roles {
             pub fn holds(self) -> &'static str {
                 match self { $(InputRole::$variant => $holds,)* }
             }
+
+            /// What it is, in a few words.
+            pub fn what(self) -> &'static str {
+                match self { $(InputRole::$variant => $what,)* }
+            }
         }
     };
 }
 
 input_roles! {
-    Mesh "mesh" "file" "holds the mesh",
-    Labels "labels" "labels" "has one integer a line, one line a face",
+    Mesh "mesh" "file" "holds the mesh" "The mesh",
+    Labels "labels" "labels" "has one integer a line, one line a face"
+        "Part labels: one integer a line, line i for face i, −1 for unknown",
 }
 
 impl FromStr for InputRole {

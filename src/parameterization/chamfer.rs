@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
-use super::TrainError;
+use super::MapError;
 use super::chart::Trainee;
 use super::mapper::Layout;
 use super::step::inverse_points;
@@ -24,7 +24,7 @@ pub(super) fn chamfer(
     layout: &Layout,
     parameters: &Tensor<2>,
     device: &Device,
-) -> Result<Option<f64>, TrainError> {
+) -> Result<Option<f64>, MapError> {
     let disk = chart.chart.disk;
     let step = disk.area() / SAMPLES as f64;
     if !(step > 0.0 && step.is_finite()) {

@@ -110,7 +110,7 @@ pub struct TrainedChart {
 
 /// Why training stopped without a result.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum TrainError {
+pub enum MapError {
     /// It was asked to.
     #[error(transparent)]
     Canceled(#[from] Canceled),

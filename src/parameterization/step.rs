@@ -8,7 +8,7 @@
 use burn::tensor::{Tensor, TensorData};
 use rayon::prelude::*;
 
-use super::TrainError;
+use super::MapError;
 use super::adam::Adam;
 use super::batch::Batch;
 use super::chart::Trainee;
@@ -33,7 +33,7 @@ pub(super) fn step(
     layout: &Layout,
     adam: &mut Adam,
     form: LossForm,
-) -> Result<(), TrainError> {
+) -> Result<(), MapError> {
     let leaves = mapper::tracked(layout.forward_leaves(&adam.parameters));
     let (inputs, boundary) = (batch.inputs.clone().autodiff(), batch.boundary.clone().autodiff());
     let delta = mapper::forward(&batch.layers, &leaves, inputs, boundary);
@@ -61,7 +61,7 @@ pub(super) fn step(
     adam.descend(Tensor::cat(vec![forward, back.inverse.clone()], 1));
 
     if charts.iter().any(|chart| chart.steps.is_multiple_of(HISTORY)) {
-        let lost = || TrainError::Device("a loss cannot be read".to_owned());
+        let lost = || MapError::Device("a loss cannot be read".to_owned());
         for (chart, value) in charts.iter_mut().zip(back.values(batch).ok_or_else(lost)?) {
             chart.history.push((chart.loss + value) as f32);
         }
@@ -71,9 +71,9 @@ pub(super) fn step(
 }
 
 /// Read a tensor to the host.
-pub(super) fn read<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
-    let data = tensor.try_into_data().map_err(|e| TrainError::Device(format!("{e:?}")))?;
-    data.try_into_vec().map_err(|e| TrainError::Device(format!("{e:?}")))
+pub(super) fn read<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, MapError> {
+    let data = tensor.try_into_data().map_err(|e| MapError::Device(format!("{e:?}")))?;
+    data.try_into_vec().map_err(|e| MapError::Device(format!("{e:?}")))
 }
 
 /// The forward mapper's map on every vertex of a chart. `parameters` is its row, `[1, size]`.
@@ -83,7 +83,7 @@ pub(super) fn whole_map(
     parameters: &Tensor<2>,
     device: &Device,
     cancel: &Cancel,
-) -> Result<UvMap, TrainError> {
+) -> Result<UvMap, MapError> {
     let leaves = layout.forward_leaves(parameters);
     let vertices: Vec<usize> = (0..chart.chart.disk.positions.len()).collect();
     let mut uv = Vec::with_capacity(vertices.len());
@@ -116,7 +116,7 @@ pub(super) fn inverse_points(
     layout: &Layout,
     parameters: &Tensor<2>,
     device: &Device,
-) -> Result<Vec<f32>, TrainError> {
+) -> Result<Vec<f32>, MapError> {
     let leaves = layout.inverse_leaves(parameters);
     let mut points = Vec::with_capacity(uv.len() / 2 * 3);
     for uv in uv.chunks(2 * CHUNK) {

@@ -219,7 +219,7 @@ fn cancel_stops_within_a_step() {
             }
         },
     );
-    assert_eq!(result, Err(TrainError::Canceled(Canceled)));
+    assert_eq!(result, Err(MapError::Canceled(Canceled)));
     assert_eq!(last, 3);
 }
 
@@ -242,7 +242,7 @@ fn arrays_that_do_not_fit_are_named() {
     let mut chart = plain(&disk, &start, 0);
     chart.rho.pop();
     let result = train(&[chart], &options(1), &Device::cpu(), &Run::quiet(), &mut |_, _, _| {});
-    assert!(matches!(result, Err(TrainError::Mismatch { array: "rho", .. })));
+    assert!(matches!(result, Err(MapError::Mismatch { array: "rho", .. })));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::chamfer::chamfer;
 use super::chart::{RESAMPLE, Trainee};
 use super::mapper::{self, Layout};
 use super::step::{step, whole_map};
-use super::{TrainChart, TrainError, TrainOptions, TrainedChart};
+use super::{MapError, TrainChart, TrainOptions, TrainedChart};
 use crate::contract::{Cancel, GaveUp, Run, Scarce};
 use crate::device::{Device, DeviceKind};
 use crate::flatten::{UvMap, rescale};
@@ -37,7 +37,7 @@ pub fn train(
     device: &Device,
     run: &Run,
     told: &mut dyn FnMut(u32, u32, &[usize]),
-) -> Result<Vec<TrainedChart>, TrainError> {
+) -> Result<Vec<TrainedChart>, MapError> {
     check(charts)?;
     let groups = groups(charts, options, device, run);
     let steps = options.steps.saturating_mul(groups.len() as u32);
@@ -124,7 +124,7 @@ impl<'a> Group<'a> {
     }
 
     /// One step of every chart; large charts then look at their whole map and draw a fresh sample.
-    fn step(&mut self) -> Result<(), TrainError> {
+    fn step(&mut self) -> Result<(), MapError> {
         step(&self.batch, &mut self.charts, &self.layout, &mut self.adam, self.options.form)?;
         let mut fresh = false;
         for i in 0..self.charts.len() {
@@ -141,7 +141,7 @@ impl<'a> Group<'a> {
         Ok(())
     }
 
-    fn consider_whole(&mut self, i: usize) -> Result<(), TrainError> {
+    fn consider_whole(&mut self, i: usize) -> Result<(), MapError> {
         let parameters = self.adam.parameters.clone().slice([i..i + 1]);
         let uv = whole_map(&self.charts[i], &self.layout, &parameters, self.device, self.cancel)?;
         self.charts[i].consider(uv);
@@ -149,7 +149,7 @@ impl<'a> Group<'a> {
     }
 
     /// Take out the charts that are finished, or all of them, and what became of each.
-    fn release(&mut self, all: bool) -> Result<Vec<(usize, TrainedChart)>, TrainError> {
+    fn release(&mut self, all: bool) -> Result<Vec<(usize, TrainedChart)>, MapError> {
         let leaves = |chart: &Trainee| all || chart.is_finished();
         if !self.charts.iter().any(leaves) {
             return Ok(Vec::new());
@@ -179,7 +179,7 @@ impl<'a> Group<'a> {
     }
 
     /// Chamfer distance of the round trip by a chart's shipped map, once there was a step.
-    fn chamfer(&self, i: usize) -> Result<Option<f64>, TrainError> {
+    fn chamfer(&self, i: usize) -> Result<Option<f64>, MapError> {
         let chart = &self.charts[i];
         if chart.steps == 0 {
             return Ok(None);
@@ -236,7 +236,7 @@ fn groups(
 }
 
 /// Every array of every chart has one entry a vertex, and triangles name vertices that exist.
-fn check(charts: &[TrainChart]) -> Result<(), TrainError> {
+fn check(charts: &[TrainChart]) -> Result<(), MapError> {
     for (i, chart) in charts.iter().enumerate() {
         let vertices = chart.disk.positions.len();
         let lengths = [
@@ -250,7 +250,7 @@ fn check(charts: &[TrainChart]) -> Result<(), TrainError> {
         ];
         for (array, found) in lengths {
             if found != vertices {
-                return Err(TrainError::Mismatch { chart: i, array, found, vertices });
+                return Err(MapError::Mismatch { chart: i, array, found, vertices });
             }
         }
     }

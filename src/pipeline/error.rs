@@ -5,7 +5,7 @@ use crate::contract::{Canceled, ErrorCode, JobError, OptionError, Run, Stage};
 use crate::device::DeviceError;
 use crate::mesh::ImportError;
 use crate::mesh::export::ExportError;
-use crate::parameterization::TrainError;
+use crate::parameterization::MapError;
 use crate::preview::PreviewError;
 use crate::segmentation::SegmentationError;
 
@@ -51,7 +51,7 @@ pub enum Cause {
     Pack(PackError),
     /// The networks cannot be trained.
     #[error(transparent)]
-    Train(TrainError),
+    Train(MapError),
     /// The picture cannot be drawn.
     #[error("{0}")]
     Preview(String),
@@ -100,10 +100,10 @@ impl From<PackError> for Cause {
     }
 }
 
-impl From<TrainError> for Cause {
-    fn from(error: TrainError) -> Self {
+impl From<MapError> for Cause {
+    fn from(error: MapError) -> Self {
         match error {
-            TrainError::Canceled(_) => Self::Canceled,
+            MapError::Canceled(_) => Self::Canceled,
             error => Self::Train(error),
         }
     }
@@ -156,7 +156,7 @@ impl UnwrapError {
                 ErrorCode::InvalidOption
             }
             Cause::Segmentation(error) => error.code(),
-            Cause::Device(_) | Cause::Train(TrainError::Device(_)) => ErrorCode::DeviceLost,
+            Cause::Device(_) | Cause::Train(MapError::Device(_)) => ErrorCode::DeviceLost,
             Cause::OutOfMemory(_) => ErrorCode::OutOfMemory,
             Cause::NotCertified(_) => ErrorCode::NotCertified,
             Cause::Export(_)

@@ -58,17 +58,18 @@ fn settle(
     mut charts: Vec<Mapped>,
     options: &UnwrapOptions,
     run: &Run,
-    mut placing: impl FnMut(Vec<Mapped>, u32) -> Result<Attempt, Cause>,
+    mut placing: impl FnMut(Vec<Mapped>, u32) -> Result<Packed, Cause>,
 ) -> Result<CertifiedAtlas, Cause> {
     let mut fault = String::new();
-    let mut padding = options.padding;
+    let asked = PackOptions::from(options).padding;
+    let mut padding = asked;
     for round in 0..ROUNDS {
         run.stage(Stage::Pack)?;
-        let Attempt { atlas, scales, lost } = placing(charts, padding)?;
+        let Packed { atlas, scales, lost } = placing(charts, padding)?;
         if atlas.certificates.atlas.valid {
             return Ok(atlas);
         }
-        fault = certify::fault(&atlas.certificates.atlas, options.padding);
+        fault = certify::fault(&atlas.certificates.atlas, asked);
         let failed: Vec<bool> = atlas.certificates.charts.iter().map(is_at_fault).collect();
         if !failed.iter().any(|&f| f) {
             padding += 1;
@@ -109,7 +110,7 @@ fn is_at_fault(c: &Certificate) -> bool {
 }
 
 /// An atlas, valid or not.
-struct Attempt {
+struct Packed {
     atlas: CertifiedAtlas,
     /// Page widths for a unit of each chart's map.
     scales: Vec<f64>,
@@ -125,13 +126,14 @@ fn place(
     options: &UnwrapOptions,
     padding: u32,
     run: &Run,
-) -> Result<Attempt, Cause> {
+) -> Result<Packed, Cause> {
     let regions = &solvers.regions;
     let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, mapped) in charts.iter().enumerate() {
         groups.entry(regions.atlas[mapped.chart.part as usize]).or_default().push(i);
     }
-    let grid = if options.udim { Grid::Tiles } else { Grid::Page };
+    let asked = PackOptions::from(options);
+    let grid = asked.grid;
     let weight = |&i: &usize| found.densities[regions.part[charts[i].chart.part as usize] as usize];
     let mut page_of = vec![0; charts.len()];
     let mut scales = vec![0.0; charts.len()];
@@ -140,11 +142,8 @@ fn place(
     for members in groups.values() {
         let input: Vec<_> =
             members.iter().map(|&i| (&charts[i].chart.disk, &charts[i].uv)).collect();
-        let packing = PackOptions {
-            padding,
-            weights: members.iter().map(weight).collect(),
-            ..PackOptions::from(options)
-        };
+        let packing =
+            PackOptions { padding, weights: members.iter().map(weight).collect(), ..asked.clone() };
         let atlas = atlas::pack(&input, &packing, run)?;
         for ((&i, placement), uv) in members.iter().zip(&atlas.placements).zip(atlas.uvs) {
             page_of[i] = pages + placement.page;
@@ -167,14 +166,14 @@ fn place(
         .collect();
     let demands = Demands {
         pages,
-        page_size: options.page_size,
-        padding: options.padding,
+        page_size: asked.page_size,
+        padding: asked.padding,
         diagonal: found.surface.diagonal,
         shared_sheets: options.double_sided == DoubleSided::Share,
     };
     let certificates = atlas::certify_atlas(&on_pages, &demands);
     let atlas = CertifiedAtlas { charts, uvs: rounded.uvs, pages, page_of, grid, certificates };
-    Ok(Attempt { atlas, scales, lost: rounded.lost })
+    Ok(Packed { atlas, scales, lost: rounded.lost })
 }
 
 #[cfg(test)]
@@ -209,9 +208,9 @@ mod tests {
         let mut rounds = 0;
         let placing = |charts, padding| {
             rounds += 1;
-            let mut attempt = place(&found, &solvers, charts, &options, padding, &run)?;
-            blame(&mut attempt, 0);
-            Ok(attempt)
+            let mut packed = place(&found, &solvers, charts, &options, padding, &run)?;
+            blame(&mut packed, 0);
+            Ok(packed)
         };
         let charts = maps::untrained(charts);
         let error = settle(&solvers.surface, charts, &options, &run, placing).err().unwrap();
@@ -221,8 +220,8 @@ mod tests {
     }
 
     /// Break a chart's certificate.
-    fn blame(attempt: &mut Attempt, chart: usize) {
-        let proof = &mut attempt.atlas.certificates;
+    fn blame(packed: &mut Packed, chart: usize) {
+        let proof = &mut packed.atlas.certificates;
         (proof.atlas.valid, proof.atlas.flipped) = (false, 1);
         proof.charts[chart].flipped = 1;
     }
@@ -235,14 +234,14 @@ mod tests {
         let mut rounds: Vec<Vec<Mapped>> = Vec::new();
         let placing = |charts: Vec<Mapped>, padding| {
             rounds.push(charts.clone());
-            let mut attempt = place(&found, &solvers, charts, &options, padding, &run)?;
+            let mut packed = place(&found, &solvers, charts, &options, padding, &run)?;
             if rounds.len() <= faulty {
-                let charts = &attempt.atlas.charts;
+                let charts = &packed.atlas.charts;
                 let at = charts.iter().position(|m| m.chart.faces[0] == 0).unwrap();
-                blame(&mut attempt, at);
-                attempt.lost = if lose { vec![(at as u32, 0)] } else { Vec::new() };
+                blame(&mut packed, at);
+                packed.lost = if lose { vec![(at as u32, 0)] } else { Vec::new() };
             }
-            Ok(attempt)
+            Ok(packed)
         };
         let charts = maps::untrained(charts);
         let atlas = settle(&solvers.surface, charts, &options, &run, placing).unwrap();

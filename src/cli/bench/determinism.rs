@@ -7,8 +7,8 @@ use anyhow::{Context, Result, bail};
 use rayon::ThreadPool;
 
 use super::files::{guarded, named, stem};
-use super::how::{How, unwrap};
-use crate::cli::input::Files;
+use super::options::{BenchOptions, unwrap};
+use crate::cli::input::{Beside, Files};
 use crate::contract::{MeshKind, UnwrapOptions};
 use crate::pipeline::{Engine, Unwrapped};
 
@@ -25,12 +25,12 @@ pub struct Args {
     #[arg(long)]
     pub names: PathBuf,
     #[command(flatten)]
-    pub how: How,
+    pub bench: BenchOptions,
 }
 
 /// Run it: one line an object, a summary; an error if any object differs or fails.
 pub fn run(args: Args) -> Result<()> {
-    let engine = args.how.engine()?;
+    let engine = args.bench.engine()?;
     let pool = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.context("cannot start the threads")
@@ -39,7 +39,7 @@ pub fn run(args: Args) -> Result<()> {
     let paths = named(&args.dir, &args.names)?;
     let (mut same, mut differ, mut failed) = (0, 0, 0);
     for path in &paths {
-        let verdict = match guarded(|| compare(path, &args.how.options, &engine, &pools)) {
+        let verdict = match guarded(|| compare(path, &args.bench.options, &engine, &pools)) {
             Ok((text, true)) => {
                 same += 1;
                 text
@@ -69,7 +69,7 @@ fn compare(
     engine: &Engine,
     pools: &[ThreadPool],
 ) -> Result<(String, bool)> {
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrap = |pool: &ThreadPool| pool.install(|| unwrap(&files, options, engine));
     let first = unwrap(&pools[0])?;
     let mut text = format!("{} triangles", triangles(&first));

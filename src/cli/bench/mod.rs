@@ -3,10 +3,11 @@
 
 mod determinism;
 mod files;
-mod how;
 mod object;
+mod options;
 mod peer;
 mod quality;
+mod row;
 mod same;
 mod segmentation;
 mod sheet;

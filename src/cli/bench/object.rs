@@ -5,20 +5,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, anyhow};
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 
 use super::files::guarded;
-use super::how::unwrap;
-use super::{peer, table};
-use crate::cli::input::Files;
+use super::options::unwrap;
+use super::peer;
+use super::row::{Measured, PeerFigures, ROUNDING, ResultFigures, Row};
+use crate::cli::input::{Beside, Files};
 use crate::contract::{
-    ArtifactKind, Limits, Metrics, Quality, Run, SegmentationSource, Stage, UnwrapOptions,
+    ArtifactKind, Limits, Metrics, Quality, Run, SegmentationSource, UnwrapOptions,
 };
 use crate::mesh;
 use crate::pipeline::Engine;
-
-/// An isometry by this peer's arithmetic: single precision leaves so much.
-const ROUNDING: f64 = 1e-5;
 
 /// By how much the bound may exceed the peer's mean distortion.
 const WIDENINGS: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
@@ -40,40 +38,41 @@ pub struct Arms<'a> {
 }
 
 /// The object's line. Whatever goes wrong, panics included, is an `error` in it.
-pub fn line(name: &str, path: &Path, arms: &Arms) -> Value {
-    guarded(|| measure(name, path, arms))
-        .unwrap_or_else(|error| json!({ "object": name, "error": format!("{error:#}") }))
+pub fn line(name: &str, path: &Path, arms: &Arms) -> Row {
+    let object = name.to_owned();
+    match guarded(|| measure(name, path, arms)) {
+        Ok(measured) => Row { object, measured: Some(measured), error: None },
+        Err(error) => Row { object, measured: None, error: Some(format!("{error:#}")) },
+    }
 }
 
-fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
+fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
     let labels = labels_beside(path);
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrapped = unwrap(&files, arms.options, arms.engine)?;
     let input = files.input();
     let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
     let surface = mesh::condition(&scene, &Run::quiet())?;
     drop(scene);
-    let mut line = Map::new();
-    line.insert("object".into(), name.into());
-    line.insert("triangles".into(), surface.face_count().into());
-    line.insert("double_sided".into(), surface.repairs.double_sided_faces.into());
-    line.insert("ours".into(), figures(&unwrapped.metrics));
+    let (triangles, double_sided) = (surface.face_count(), surface.repairs.double_sided_faces);
     let peer = peer::measure(&surface);
     drop(surface);
+    let (mut at_peers, mut along_labels) = (None, None);
     if !arms.single {
-        line.insert("matched".into(), matched(&files, &unwrapped.metrics, &peer, arms)?);
+        if let Some(peer) = &peer {
+            at_peers = matched(&files, &unwrapped.metrics, peer, arms)?;
+        }
         if let Some(labels) = labels {
-            let files = Files::read(path, Some(&labels))?;
+            let files = Files::read(path, &Beside::labels(labels))?;
             let options = UnwrapOptions {
                 segmentation: SegmentationSource::Labels,
                 quality: Quality::Fast,
                 ..arms.options.clone()
             };
             let along = unwrap(&files, &options, arms.engine)?;
-            line.insert("along_labels".into(), figures(&along.metrics));
+            along_labels = Some(ResultFigures::of(&along.metrics));
         }
     }
-    line.insert("peer".into(), peer);
     let model = match arms.models {
         Some(models) => models.join(format!("{}.glb", name.replace(['/', '\\'], "_"))),
         None => arms.folder.join("model.glb"),
@@ -84,66 +83,51 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Value> {
             std::fs::write(model.with_extension("png"), picture)?;
         }
     }
-    if let Some(judge) = arms.judge {
-        line.insert("judge".into(), ask(judge, &model, path, arms.folder)?);
-    }
-    Ok(Value::Object(line))
+    let judge = arms.judge.map(|judge| ask(judge, &model, path, arms.folder)).transpose()?;
+    Ok(Measured {
+        triangles,
+        double_sided,
+        ours: ResultFigures::of(&unwrapped.metrics),
+        matched: at_peers,
+        along_labels,
+        peer,
+        judge,
+    })
 }
 
 /// The object at no more distortion than the peer has, untrained. The bound is one for each chart and the
 /// peer's distortion a mean, so that the bound may be wider: it is widened while the mean stays below the
 /// peer's, until the peer is beaten.
-fn matched(files: &Files, ours: &Metrics, peer: &Value, arms: &Arms) -> Result<Value> {
-    let Some(limit) = peer["symmetric_dirichlet"].as_f64() else { return Ok(Value::Null) };
-    if ours.atlas.figures.symmetric_dirichlet.is_none_or(|e| e <= limit + ROUNDING) {
-        return Ok(figures(ours));
+fn matched(
+    files: &Files,
+    ours: &Metrics,
+    peer: &PeerFigures,
+    arms: &Arms,
+) -> Result<Option<ResultFigures>> {
+    let limit = peer.symmetric_dirichlet;
+    let within = |e: Option<f64>| e.is_some_and(|e| e <= limit + ROUNDING);
+    let ours = ResultFigures::of(ours);
+    if ours.symmetric_dirichlet.is_none() || within(ours.symmetric_dirichlet) {
+        return Ok(Some(ours));
     }
-    let mut best = Value::Null;
+    let mut best: Option<ResultFigures> = None;
     for widening in WIDENINGS {
         let options = UnwrapOptions {
             distortion_bound: widening * (limit - 1.0).max(ROUNDING),
             quality: Quality::Fast,
             ..arms.options.clone()
         };
-        let found = figures(&unwrap(files, &options, arms.engine)?.metrics);
-        let within = |e: f64| e <= limit + ROUNDING;
-        if !best.is_null() && !found["symmetric_dirichlet"].as_f64().is_some_and(within) {
+        let found = ResultFigures::of(&unwrap(files, &options, arms.engine)?.metrics);
+        if best.is_some() && !within(found.symmetric_dirichlet) {
             break;
         }
-        best = found;
-        if table::dominates(&best, peer) {
+        let enough = found.dominates(peer);
+        best = Some(found);
+        if enough {
             break;
         }
     }
     Ok(best)
-}
-
-/// The figures of a result that the table asks for.
-fn figures(m: &Metrics) -> Value {
-    let (f, c) = (&m.atlas.figures, &m.atlas.certificate);
-    let preview = m.cost.stages.iter().find(|s| s.name == Stage::Preview.as_str());
-    let preview = preview.map_or(0.0, |s| s.wall_s);
-    let gains = m.charts.iter().filter_map(|c| c.neural_gain.and_then(|g| g.gain));
-    json!({
-        "valid": c.valid,
-        "min_gutter_texels": c.min_gutter_texels,
-        "parts": m.parts.len(),
-        "charts": m.atlas.charts,
-        "seam": f.seam_length.map(|s| s.per_sqrt_area),
-        "symmetric_dirichlet": f.symmetric_dirichlet,
-        "angular": f.quasi_conformal.map(|q| q.mean - 1.0),
-        "area": f.area_distortion.map(|a| a.mean - 1.0),
-        "packing": m.atlas.packing_efficiency.covered,
-        "avoidable": f.avoidable_seam,
-        "alignment": f.boundary_alignment,
-        "developable": m.atlas.developable,
-        "trained": m.charts.iter().filter(|c| c.steps > 0).count(),
-        "gain": gains.reduce(f64::max),
-        "degraded": m.degraded,
-        "seconds": m.cost.wall_s - preview,
-        "stages": m.cost.stages.iter().map(|s| (s.name.clone(), s.wall_s.into())).collect::<Map<_, _>>(),
-        "peak_memory_mib": m.cost.peak_memory_mib,
-    })
 }
 
 /// NAME.inst.txt or NAME.labels.txt.

@@ -4,35 +4,35 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-use serde_json::{Value, json};
-
+use super::row::PeerFigures;
 use crate::flatten::{self, Island, singular_values};
 use crate::mesh::{DisjointSets, NONE, Surface};
 use crate::metrics::places;
 
 /// What the peer reaches: charts, seam length over √area, symmetric Dirichlet at one scale, seconds;
-/// and the charts on the raw mesh. Null where it refuses the mesh.
-pub fn measure(surface: &Surface) -> Value {
+/// and the charts on the raw mesh. `None` where it refuses the mesh.
+pub fn measure(surface: &Surface) -> Option<PeerFigures> {
     let begun = Instant::now();
-    let Some(islands) = on_components(surface) else { return Value::Null };
+    let islands = on_components(surface)?;
     let seconds = begun.elapsed().as_secs_f64();
     let (usable, total) = (surface.usable.iter().filter(|u| **u).count(), surface.area());
     if usable == 0 {
-        return Value::Null;
+        return None;
     }
     let raw = match surface.repairs.nonmanifold_edges {
         0 => None,
         _ => flatten::classical_islands(&surface.positions, &surface.triangles).ok(),
     };
     let counted = |islands: &[Island]| {
-        islands.iter().filter(|i| i.faces.iter().any(|&f| surface.usable[f as usize])).count()
+        let usable = |i: &&Island| i.faces.iter().any(|&f| surface.usable[f as usize]);
+        islands.iter().filter(usable).count() as u32
     };
-    json!({
-        "charts": counted(&islands),
-        "raw_charts": raw.map_or(counted(&islands), |raw| counted(&raw)),
-        "seam": seam_length(surface, &islands) / total.sqrt(),
-        "symmetric_dirichlet": symmetric_dirichlet(surface, &islands),
-        "seconds": seconds,
+    Some(PeerFigures {
+        charts: counted(&islands),
+        raw_charts: raw.map_or(counted(&islands), |raw| counted(&raw)),
+        seam: seam_length(surface, &islands) / total.sqrt(),
+        symmetric_dirichlet: symmetric_dirichlet(surface, &islands),
+        seconds,
     })
 }
 

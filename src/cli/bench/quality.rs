@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::files::Shard;
-use super::how::How;
 use super::object::{self, Arms};
+use super::options::BenchOptions;
 use super::table;
 use crate::contract::MeshKind;
 
@@ -45,12 +45,12 @@ pub struct Args {
     #[arg(long)]
     pub models: Option<PathBuf>,
     #[command(flatten)]
-    pub how: How,
+    pub bench: BenchOptions,
 }
 
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let engine = args.how.engine()?;
+    let engine = args.bench.engine()?;
     let shard = args.shard.of(&args.dir)?.into_iter();
     let done = done(&args.output)?;
     let folder = std::env::temp_dir().join(format!("uvsegnet-bench-{}", std::process::id()));
@@ -59,7 +59,7 @@ pub fn run(args: Args) -> Result<()> {
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let arms = Arms {
-        options: &args.how.options,
+        options: &args.bench.options,
         engine: &engine,
         single: args.single,
         judge: args.judge.as_deref(),
@@ -76,7 +76,7 @@ pub fn run(args: Args) -> Result<()> {
     for path in open.take(args.limit.unwrap_or(usize::MAX)) {
         let line = object::line(&named(&path), &path, &arms);
         eprintln!("{}", table::brief(&line));
-        writeln!(lines, "{line}").context("cannot write a line")?;
+        writeln!(lines, "{}", serde_json::to_string(&line)?).context("cannot write a line")?;
     }
     std::fs::remove_dir_all(&folder).ok();
     println!("{}", table::table(&table::read(&args.output)?));
@@ -89,5 +89,5 @@ fn done(output: &Path) -> Result<BTreeSet<String>> {
         return Ok(BTreeSet::new());
     }
     let lines = table::read(output)?;
-    Ok(lines.iter().filter_map(|l| l["object"].as_str().map(str::to_owned)).collect())
+    Ok(lines.into_iter().map(|l| l.object).collect())
 }

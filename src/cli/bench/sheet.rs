@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 
 use super::files::{Shard, guarded, named, stem};
-use super::how::{How, unwrap};
-use crate::cli::input::Files;
+use super::options::{BenchOptions, unwrap};
+use crate::cli::input::{Beside, Files};
 use crate::contract::{ArtifactKind, MeshKind, Metrics, UnwrapOptions};
 use crate::pipeline::Engine;
 use crate::preview::{SheetCell, contact_sheet};
@@ -33,12 +33,12 @@ pub struct Args {
     #[arg(long, default_value_t = 5)]
     pub columns: usize,
     #[command(flatten)]
-    pub how: How,
+    pub bench: BenchOptions,
 }
 
 /// Run it. An object that fails has an empty place on the sheet, and the command fails in the end.
 pub fn run(args: Args) -> Result<()> {
-    let engine = args.how.engine()?;
+    let engine = args.bench.engine()?;
     let mut paths = match &args.names {
         Some(names) => named(&args.dir, names)?,
         None => args.shard.of(&args.dir)?,
@@ -47,7 +47,7 @@ pub fn run(args: Args) -> Result<()> {
     let mut failed = 0;
     let mut cells = Vec::new();
     for path in &paths {
-        let cell = guarded(|| cell(path, &args.how.options, &engine)).unwrap_or_else(|error| {
+        let cell = guarded(|| cell(path, &args.bench.options, &engine)).unwrap_or_else(|error| {
             failed += 1;
             SheetCell { preview: None, caption: vec![stem(path), format!("{error:#}")] }
         });
@@ -65,7 +65,7 @@ pub fn run(args: Args) -> Result<()> {
 
 /// One object: unwrapped, with its name and its figures.
 fn cell(path: &Path, options: &UnwrapOptions, engine: &Engine) -> Result<SheetCell> {
-    let files = Files::read(path, None)?;
+    let files = Files::read(path, &Beside::default())?;
     let unwrapped = unwrap(&files, options, engine)?;
     let preview = unwrapped.artifact(ArtifactKind::Preview).ok_or_else(|| anyhow!("no preview"))?;
     let mut caption = vec![stem(path)];

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::Value;
 
-use super::how::unwrap;
+use super::options::unwrap;
 use crate::charts::{self, ChartOptions};
-use crate::cli::input::Files;
+use crate::cli::input::{Beside, Files};
 use crate::contract::{ArtifactKind, Limits, MeshKind, Metrics, Run, UnwrapOptions};
 use crate::device::Device;
 use crate::mesh::{self, Document, NONE, Scene, Surface, TexcoordOrigin};
@@ -30,7 +30,7 @@ pub struct Args {
 
 /// Run it: a job with default options on the CPU, and a picture of each stage.
 pub fn run(args: Args) -> Result<()> {
-    let files = Files::read(&args.mesh, None)?;
+    let files = Files::read(&args.mesh, &Beside::default())?;
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("cannot make {}", args.output.display()))?;
     for (name, picture) in pictures(&files)? {
@@ -194,7 +194,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mesh = folder.path().join("object.obj");
         std::fs::write(&mesh, OBJECT).unwrap();
-        let files = Files::read(&mesh, None).unwrap();
+        let files = Files::read(&mesh, &Beside::default()).unwrap();
         let engine = Engine::new(Device::cpu());
         let unwrapped = unwrap(&files, &UnwrapOptions::default(), &engine).unwrap();
         let (input, run) = (files.input(), Run::quiet());

@@ -4,59 +4,60 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use serde_json::Value;
+
+use super::row::{Measured, Row};
+use crate::contract::BoundaryAlignment;
 
 /// An object is developable when this share of its area is, tubular when that share is.
 const DEVELOPABLE: f64 = 0.9;
 const TUBULAR: f64 = 0.5;
 
-/// Counts as equal, of seam lengths and distortions that were summed in another order.
-const ROUNDING: f64 = 1e-5;
-
 /// Read the lines of a file.
-pub fn read(path: &Path) -> Result<Vec<Value>> {
+pub fn read(path: &Path) -> Result<Vec<Row>> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
     lines
         .map(|(i, l)| {
-            serde_json::from_str(l)
-                .with_context(|| format!("{} line {}: not JSON", path.display(), i + 1))
+            serde_json::from_str(l).with_context(|| {
+                format!("{} line {}: not a line of this benchmark", path.display(), i + 1)
+            })
         })
         .collect()
 }
 
 /// One object in a line for the terminal.
-pub fn brief(line: &Value) -> String {
-    let name = line["object"].as_str().unwrap_or("?");
-    if let Some(error) = line["error"].as_str() {
-        return format!("{name}: {error}");
-    }
-    let (ours, peer) = (&line["ours"], &line["peer"]);
+pub fn brief(row: &Row) -> String {
+    let name = &row.object;
+    let Some(m) = &row.measured else {
+        return format!("{name}: {}", row.error.as_deref().unwrap_or("no figures"));
+    };
+    let (ours, peer) = (&m.ours, m.peer.as_ref());
+    let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
     format!(
         "{name}: {} triangles, {} charts (peer {}), seam {:.2} ({:.2}), symmetric Dirichlet {:.4} \
          ({:.4}), packing {:.2}, {:.1} s{}",
-        line["triangles"],
-        ours["charts"],
-        peer["charts"],
-        number(ours, "seam"),
-        number(peer, "seam"),
-        number(ours, "symmetric_dirichlet"),
-        number(peer, "symmetric_dirichlet"),
-        number(ours, "packing"),
-        number(ours, "seconds"),
-        if ours["valid"] == true { "" } else { ", NOT VALID" },
+        m.triangles,
+        ours.charts,
+        peer.map_or("none".into(), |p| p.charts.to_string()),
+        number(ours.seam),
+        number(peer.map(|p| p.seam)),
+        number(ours.symmetric_dirichlet),
+        number(peer.map(|p| p.symmetric_dirichlet)),
+        ours.packing,
+        ours.seconds,
+        if ours.valid { "" } else { ", NOT VALID" },
     )
 }
 
 /// The whole table, in Markdown.
-pub fn table(lines: &[Value]) -> String {
-    let unwrapped: Vec<&Value> = lines.iter().filter(|l| l["ours"].is_object()).collect();
+pub fn table(rows: &[Row]) -> String {
+    let unwrapped: Vec<&Measured> = rows.iter().filter_map(|r| r.measured.as_ref()).collect();
     let mut text = format!(
         "{} objects, {} unwrapped, {} refused or failed\n\n",
-        lines.len(),
+        rows.len(),
         unwrapped.len(),
-        lines.len() - unwrapped.len()
+        rows.len() - unwrapped.len()
     );
     let classes: [Class; 4] = [
         ("developable", |share| share >= DEVELOPABLE),
@@ -64,22 +65,21 @@ pub fn table(lines: &[Value]) -> String {
         ("free-form", |share| share < TUBULAR),
         ("all", |_| true),
     ];
-    let columns: Vec<Vec<&Value>> = classes
+    let columns: Vec<Vec<&Measured>> = classes
         .iter()
         .map(|(_, of)| {
-            let own = |l: &&&Value| of(number(&l["ours"], "developable"));
+            let own = |m: &&&Measured| of(m.ours.developable.unwrap_or(f64::NAN));
             unwrapped.iter().filter(own).copied().collect()
         })
         .collect();
     let _ = writeln!(text, "| | {} |", classes.map(|c| c.0).join(" | "));
     let _ = writeln!(text, "|---|{}", "---|".repeat(classes.len()));
-    for (name, figure) in ROWS {
-        let cells: Vec<String> = columns.iter().map(|lines| figure(lines)).collect();
+    for (name, figure) in FIGURES {
+        let cells: Vec<String> = columns.iter().map(|objects| figure(objects)).collect();
         let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
     }
-    let failed = lines.iter().filter(|l| l["error"].is_string());
-    for line in failed {
-        let _ = writeln!(text, "\n{}", brief(line));
+    for row in rows.iter().filter(|r| r.measured.is_none()) {
+        let _ = writeln!(text, "\n{}", brief(row));
     }
     text
 }
@@ -87,72 +87,74 @@ pub fn table(lines: &[Value]) -> String {
 /// A class of objects: its name, and which shares of developable area belong to it.
 type Class = (&'static str, fn(f64) -> bool);
 
-/// A row: what it is called, and its figure over the objects of a class.
-type Row = (&'static str, fn(&[&Value]) -> String);
+/// A line of the table: what it is called, and its figure over the objects of a class.
+type Figure = (&'static str, fn(&[&Measured]) -> String);
 
-const ROWS: [Row; 22] = [
-    ("objects", |l| l.len().to_string()),
-    ("valid", |l| count(l, |l| l["ours"]["valid"] == true)),
-    ("valid by the independent measure", |l| {
-        let measured: Vec<&Value> = l.iter().copied().filter(|l| l["judge"].is_object()).collect();
-        count(&measured, |l| l["judge"]["meshes"][0]["validity"]["valid"] == true)
+const FIGURES: [Figure; 22] = [
+    ("objects", |m| m.len().to_string()),
+    ("valid", |m| count(m, |m| m.ours.valid)),
+    ("valid by the independent measure", |m| {
+        let measured: Vec<&Measured> = m.iter().copied().filter(|m| m.judge.is_some()).collect();
+        count(&measured, |m| {
+            m.judge.as_ref().is_some_and(|j| j["meshes"][0]["validity"]["valid"] == true)
+        })
     }),
-    ("symmetric Dirichlet, median", |l| quantile(l, 0.5, |l| ours(l, "symmetric_dirichlet"))),
-    ("… 95th percentile", |l| quantile(l, 0.95, |l| ours(l, "symmetric_dirichlet"))),
-    ("… of the peer, median", |l| {
-        quantile(l, 0.5, |l| figure(&l["peer"], "symmetric_dirichlet"))
+    ("symmetric Dirichlet, median", |m| quantile(m, 0.5, |m| m.ours.symmetric_dirichlet)),
+    ("… 95th percentile", |m| quantile(m, 0.95, |m| m.ours.symmetric_dirichlet)),
+    ("… of the peer, median", |m| {
+        quantile(m, 0.5, |m| m.peer.as_ref().map(|p| p.symmetric_dirichlet))
     }),
-    ("σ1/σ2 − 1, median", |l| quantile(l, 0.5, |l| ours(l, "angular"))),
-    ("area distortion − 1, median", |l| quantile(l, 0.5, |l| ours(l, "area"))),
-    ("charts, median", |l| quantile(l, 0.5, |l| ours(l, "charts"))),
-    ("charts / the peer's, median", |l| quantile(l, 0.5, |l| ratio(l, "charts", "charts"))),
-    ("charts / the peer's on the raw mesh", |l| {
-        quantile(l, 0.5, |l| ratio(l, "charts", "raw_charts"))
+    ("σ1/σ2 − 1, median", |m| quantile(m, 0.5, |m| m.ours.angular)),
+    ("area distortion − 1, median", |m| quantile(m, 0.5, |m| m.ours.area)),
+    ("charts, median", |m| quantile(m, 0.5, |m| Some(f64::from(m.ours.charts)))),
+    ("charts / the peer's, median", |m| {
+        quantile(m, 0.5, |m| {
+            m.peer.as_ref().and_then(|p| ratio(m.ours.charts.into(), p.charts.into()))
+        })
     }),
-    ("seam / √area, median", |l| quantile(l, 0.5, |l| ours(l, "seam"))),
-    ("seam / the peer's, median", |l| quantile(l, 0.5, |l| ratio(l, "seam", "seam"))),
+    ("charts / the peer's on the raw mesh", |m| {
+        quantile(m, 0.5, |m| {
+            m.peer.as_ref().and_then(|p| ratio(m.ours.charts.into(), p.raw_charts.into()))
+        })
+    }),
+    ("seam / √area, median", |m| quantile(m, 0.5, |m| m.ours.seam)),
+    ("seam / the peer's, median", |m| {
+        quantile(m, 0.5, |m| ratio(m.ours.seam?, m.peer.as_ref()?.seam))
+    }),
     ("fewer charts and shorter seams at the peer's distortion", dominance),
-    ("avoidable seam, median", |l| quantile(l, 0.5, |l| ours(l, "avoidable"))),
-    ("part boundary that is seam, given labels, median", |l| {
-        quantile(l, 0.5, |l| figure(&l["along_labels"]["alignment"], "recall"))
+    ("avoidable seam, median", |m| quantile(m, 0.5, |m| m.ours.avoidable)),
+    ("part boundary that is seam, given labels, median", |m| {
+        quantile(m, 0.5, |m| alignment(m, |a| a.recall))
     }),
-    ("… precision, F1, ceiling", |l| {
-        ["precision", "f1", "ceiling"]
-            .map(|name| quantile(l, 0.5, |l| figure(&l["along_labels"]["alignment"], name)))
-            .join(", ")
+    ("… precision, F1, ceiling", |m| {
+        let figures: [fn(&BoundaryAlignment) -> f64; 3] =
+            [|a| a.precision, |a| a.f1, |a| a.ceiling];
+        figures.map(|figure| quantile(m, 0.5, |m| alignment(m, figure))).join(", ")
     }),
-    ("packing, median", |l| quantile(l, 0.5, |l| ours(l, "packing"))),
-    ("narrowest gutter, texels", |l| quantile(l, 0.0, |l| ours(l, "min_gutter_texels"))),
-    ("seconds, median", |l| quantile(l, 0.5, |l| ours(l, "seconds"))),
-    ("seconds, longest", |l| quantile(l, 1.0, |l| ours(l, "seconds"))),
-    ("gain of training, best", |l| quantile(l, 1.0, |l| ours(l, "gain"))),
+    ("packing, median", |m| quantile(m, 0.5, |m| Some(m.ours.packing))),
+    ("narrowest gutter, texels", |m| quantile(m, 0.0, |m| m.ours.min_gutter_texels)),
+    ("seconds, median", |m| quantile(m, 0.5, |m| Some(m.ours.seconds))),
+    ("seconds, longest", |m| quantile(m, 1.0, |m| Some(m.ours.seconds))),
+    ("gain of training, best", |m| quantile(m, 1.0, |m| m.ours.gain)),
 ];
 
-fn figure(value: &Value, name: &str) -> Option<f64> {
-    value[name].as_f64()
+/// Our figure over the peer's; nothing where the peer's is zero.
+fn ratio(ours: f64, theirs: f64) -> Option<f64> {
+    (theirs > 0.0).then(|| ours / theirs)
 }
 
-fn ours(line: &Value, name: &str) -> Option<f64> {
-    figure(&line["ours"], name)
+/// A figure of the seams against the boundaries of given labels.
+fn alignment(m: &Measured, figure: fn(&BoundaryAlignment) -> f64) -> Option<f64> {
+    m.along_labels.as_ref()?.alignment.as_ref().map(figure)
 }
 
-/// Our figure over the peer's; nothing where the peer has none.
-fn ratio(line: &Value, name: &str, theirs: &str) -> Option<f64> {
-    let peer = figure(&line["peer"], theirs).filter(|p| *p > 0.0)?;
-    Some(ours(line, name)? / peer)
-}
-
-fn number(value: &Value, name: &str) -> f64 {
-    figure(value, name).unwrap_or(f64::NAN)
-}
-
-fn count(lines: &[&Value], holds: fn(&Value) -> bool) -> String {
-    format!("{} of {}", lines.iter().filter(|l| holds(l)).count(), lines.len())
+fn count(objects: &[&Measured], holds: fn(&Measured) -> bool) -> String {
+    format!("{} of {}", objects.iter().filter(|m| holds(m)).count(), objects.len())
 }
 
 /// A quantile over the objects that have the figure (nearest rank).
-fn quantile(lines: &[&Value], share: f64, of: impl Fn(&Value) -> Option<f64>) -> String {
-    let mut values: Vec<f64> = lines.iter().filter_map(|l| of(l)).collect();
+fn quantile(objects: &[&Measured], share: f64, of: impl Fn(&Measured) -> Option<f64>) -> String {
+    let mut values: Vec<f64> = objects.iter().filter_map(|m| of(m)).collect();
     values.sort_by(f64::total_cmp);
     let rank = (share * values.len() as f64).ceil() as usize;
     match values.get(rank.saturating_sub(1)) {
@@ -165,44 +167,52 @@ fn quantile(lines: &[&Value], share: f64, of: impl Fn(&Value) -> Option<f64>) ->
 
 /// On how many objects we need fewer charts and shorter seams (or as few, where there is nothing to
 /// save: one chart) with no more distortion than the peer.
-fn dominance(lines: &[&Value]) -> String {
-    let both: Vec<&Value> = lines
-        .iter()
-        .copied()
-        .filter(|l| l["matched"].is_object() && l["peer"].is_object())
-        .collect();
-    count(&both, |l| dominates(&l["matched"], &l["peer"]))
-}
-
-/// Whether figures have fewer charts than the peer's, no longer seams and no more distortion.
-pub fn dominates(ours: &Value, peer: &Value) -> bool {
-    let charts = number(ours, "charts");
-    number(ours, "symmetric_dirichlet") <= number(peer, "symmetric_dirichlet") + ROUNDING
-        && (charts < number(peer, "charts") || charts == 1.0)
-        && number(ours, "seam") <= number(peer, "seam") + ROUNDING
+fn dominance(objects: &[&Measured]) -> String {
+    let both: Vec<&Measured> =
+        objects.iter().copied().filter(|m| m.matched.is_some() && m.peer.is_some()).collect();
+    count(&both, |m| m.matched.as_ref().zip(m.peer.as_ref()).is_some_and(|(m, p)| m.dominates(p)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use crate::cli::bench::row::{PeerFigures, ResultFigures};
 
-    fn line(charts: u32, theirs: u32, developable: f64) -> Value {
-        let side =
-            |charts: u32| json!({ "charts": charts, "seam": 1.0, "symmetric_dirichlet": 1.0 });
-        let mut ours = side(charts);
-        ours["developable"] = developable.into();
-        ours["valid"] = true.into();
-        json!({ "object": "a", "triangles": 2, "ours": ours, "matched": side(charts), "peer": side(theirs) })
+    fn row(charts: u32, theirs: u32, developable: f64) -> Row {
+        let ours = ResultFigures {
+            valid: true,
+            charts,
+            seam: Some(1.0),
+            symmetric_dirichlet: Some(1.0),
+            developable: Some(developable),
+            ..ResultFigures::default()
+        };
+        let peer = PeerFigures {
+            charts: theirs,
+            raw_charts: theirs,
+            seam: 1.0,
+            symmetric_dirichlet: 1.0,
+            seconds: 0.1,
+        };
+        let measured = Measured {
+            triangles: 2,
+            double_sided: 0,
+            matched: Some(ours.clone()),
+            ours,
+            along_labels: None,
+            peer: Some(peer),
+            judge: None,
+        };
+        Row { object: "a".into(), measured: Some(measured), error: None }
     }
 
     #[test]
     fn objects_are_counted_in_their_class() {
         let lines = [
-            line(2, 4, 0.95),
-            line(3, 4, 0.6),
-            line(4, 4, 0.1),
-            json!({"object": "b", "error": "no"}),
+            row(2, 4, 0.95),
+            row(3, 4, 0.6),
+            row(4, 4, 0.1),
+            Row { object: "b".into(), error: Some("no".into()), measured: None },
         ];
         let text = table(&lines);
         assert!(text.starts_with("4 objects, 3 unwrapped, 1 refused"));
@@ -217,5 +227,17 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("b: no"));
+    }
+
+    /// An interrupted benchmark goes on from the lines that it wrote.
+    #[test]
+    fn a_line_is_read_as_it_was_written() {
+        let failed = Row { object: "b".into(), error: Some("no".into()), measured: None };
+        for row in [row(2, 4, 0.5), failed] {
+            let line = serde_json::to_string(&row).unwrap();
+            let again: Row = serde_json::from_str(&line).unwrap();
+            assert_eq!(serde_json::to_string(&again).unwrap(), line);
+            assert_eq!(again.measured.is_some(), row.measured.is_some());
+        }
     }
 }

@@ -4,9 +4,9 @@
 
 use glam::DVec2;
 
+use super::ChartLimits;
 use super::fit::is_sound;
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use crate::charts::patchwork::Patchwork;
 use crate::flatten::{quality, smallest_rectangle};
 use crate::mesh::NONE;
 
@@ -50,7 +50,7 @@ fn span(uv: &[DVec2], axis: DVec2) -> (f64, f64) {
 
 /// Divide the charts that are far too long across, into equal lengths, where their triangles
 /// allow it. Maps stay as they are.
-pub fn shorten(work: &mut Patchwork, limits: &Limits) {
+pub fn shorten(work: &mut Patchwork, limits: &ChartLimits) {
     for chart in 0..work.faces.len() as u32 {
         let Extent { length, axis, .. } = work.extent[chart as usize];
         if length > TOO_LONG * limits.length
@@ -67,7 +67,7 @@ fn strips(
     chart: u32,
     length: f64,
     axis: DVec2,
-    limits: &Limits,
+    limits: &ChartLimits,
 ) -> Option<Vec<Vec<u32>>> {
     let faces = &work.faces[chart as usize];
     let center = |f: u32| (0..3).map(|k| work.uv[3 * f as usize + k].dot(axis)).sum::<f64>() / 3.0;
@@ -98,7 +98,7 @@ pub fn sound_map(
     work: &Patchwork,
     piece: &[u32],
     glued: impl Fn(u32) -> bool,
-    limits: &Limits,
+    limits: &ChartLimits,
 ) -> Option<Vec<DVec2>> {
     let cut = work.mesh.cut_open_where(piece.to_vec(), glued);
     let uv = work.map_of(&cut);

@@ -2,16 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::build::{ChartOptions, patchwork, pieces};
-use super::limits::Limits;
-use super::part_mesh::PartMesh;
 use super::sides::sides;
 use super::tube;
-use super::visibility::visibility;
+use crate::charts::build::{ChartOptions, patchwork, pieces};
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::visibility::visibility;
+use crate::charts::part_mesh::PartMesh;
 use crate::contract::{Canceled, Run};
 use crate::mesh::{NONE, Surface};
 
-/// The patch of each face that [`build`](super::build) starts from, the sides of tubes among them; [`NONE`]
+/// The patch of each face that [`build`](crate::charts::build) starts from, the sides of tubes among them; [`NONE`]
 /// where `part_of` is, and for faces without area. Numbers go from 0 without a gap, in order of part.
 /// Length: faces.
 pub fn initial_patches(
@@ -20,7 +20,7 @@ pub fn initial_patches(
     options: &ChartOptions,
     run: &Run,
 ) -> Result<Vec<u32>, Canceled> {
-    let limits = Limits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let part = |f: u32| part_of[f as usize];
     let mut faces: Vec<u32> = (0..part_of.len() as u32)

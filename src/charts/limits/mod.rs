@@ -1,5 +1,10 @@
 //! What a chart may cost, for charts of one surface.
 
+pub mod cost;
+pub mod extent;
+pub mod fit;
+pub mod visibility;
+
 use crate::mesh::Surface;
 
 /// λ of the objective, as a share of the distortion bound.
@@ -26,7 +31,7 @@ pub fn clearance(surface: &Surface) -> f64 {
 
 /// The limits of a union of charts.
 #[derive(Debug, Clone, Copy)]
-pub struct Limits {
+pub struct ChartLimits {
     /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
     pub bound: f64,
     /// √ΣA.
@@ -43,7 +48,7 @@ pub struct Limits {
     pub clearance: f64,
 }
 
-impl Limits {
+impl ChartLimits {
     /// For charts of a surface.
     pub fn new(surface: &Surface, bound: f64) -> Self {
         let size = surface.area().sqrt();

@@ -10,7 +10,7 @@ use crate::pipeline::{self, Engine, Unwrapped};
 
 /// Arguments that the benchmarks share.
 #[derive(Debug, clap::Args)]
-pub struct How {
+pub struct BenchOptions {
     /// Device to train on: auto, cpu, gpu or gpu:N.
     #[arg(long, default_value_t)]
     device: DeviceChoice,
@@ -18,7 +18,7 @@ pub struct How {
     pub options: UnwrapOptions,
 }
 
-impl How {
+impl BenchOptions {
     /// What computes; an error for options that no object could be unwrapped with.
     pub fn engine(&self) -> Result<Engine> {
         valid(&self.options)?;

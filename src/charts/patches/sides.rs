@@ -1,9 +1,9 @@
 //! The sides of a tube: lateral faces, cut along the axis where that costs least, and unrolled.
 
-use super::chart::StartKind;
-use super::fit::Fit;
-use super::part_mesh::PartMesh;
 use super::tube::{self, Tube};
+use crate::charts::chart::StartKind;
+use crate::charts::limits::fit::Fit;
+use crate::charts::part_mesh::PartMesh;
 use crate::flatten;
 use crate::mesh::NONE;
 

@@ -1,4 +1,4 @@
-//! One attempt to close a path of seam: the cheap questions first (do the two sides fit, is the union
+//! A proposal to close a path of seam: the cheap questions first (do the two sides fit, is the union
 //! compact, do the charts run into each other), the solve last.
 
 use std::collections::BTreeSet;
@@ -7,11 +7,11 @@ use glam::{DMat2, DVec2};
 
 use super::candidates::Candidate;
 use super::collision::collide;
-use super::extent::{self, Extent};
-use super::fit::{Fit, Joined, refine};
-use super::limits::Limits;
-use super::part_mesh::Piece;
-use super::patchwork::{Patchwork, next};
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::extent::{self, Extent};
+use crate::charts::limits::fit::{Fit, Joined, refine};
+use crate::charts::part_mesh::Piece;
+use crate::charts::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
 
 /// A path whose two sides differ by more than this share of its length (rms, after the best rigid
@@ -33,7 +33,7 @@ const DEPTH_MISFIT: f64 = 3.0;
 pub type Motion = (DMat2, DVec2);
 
 /// A union that is worth a solve.
-pub struct Attempt {
+pub struct Proposal {
     /// The path.
     pub candidate: Candidate,
     /// What lays the other chart next to this one; none for a zip.
@@ -42,7 +42,7 @@ pub struct Attempt {
     allowed: f64,
 }
 
-/// What came of an attempt that succeeded.
+/// What came of a proposal that held.
 pub struct Union {
     /// Half-edges that are closed.
     path: Vec<u32>,
@@ -50,14 +50,14 @@ pub struct Union {
     fit: Fit,
 }
 
-impl Attempt {
+impl Proposal {
     /// `None` where it is plain without a solve that the path cannot be closed. `seam` is the path's
     /// length times cost.
     pub fn prepare(
         work: &Patchwork,
         candidate: &Candidate,
         seam: f64,
-        limits: &Limits,
+        limits: &ChartLimits,
     ) -> Option<Self> {
         let [a, b] = [candidate.a, candidate.b].map(|c| c as usize);
         if a == b {
@@ -93,7 +93,7 @@ impl Attempt {
     pub fn solve(
         &self,
         work: &Patchwork,
-        limits: &Limits,
+        limits: &ChartLimits,
         run: &Run,
     ) -> Result<Option<Union>, Canceled> {
         let (a, b) = (self.candidate.a, self.candidate.b);
@@ -157,7 +157,7 @@ fn is_compact(
     candidate: &Candidate,
     union: &Extent,
     area: f64,
-    limits: &Limits,
+    limits: &ChartLimits,
 ) -> bool {
     let [a, b] = [candidate.a, candidate.b].map(|c| work.extent[c as usize]);
     let waste = |c: u32| work.extent[c as usize].rectangle - work.area[c as usize];

@@ -11,9 +11,9 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::cost::edge_cost;
-use super::part_mesh::PartMesh;
-use super::patchwork::next;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::part_mesh::PartMesh;
+use crate::charts::patchwork::next;
 use crate::mesh::{NONE, least_eigenvector};
 
 /// Lateral faces have |n·a| below this.

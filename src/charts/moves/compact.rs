@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::extent::sound_map;
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::extent::sound_map;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, Run};
 
 /// Directions over half a turn in which a cut, and a rectangle's side, may run: an even number, so that
@@ -34,7 +34,11 @@ const PIECES: usize = 4;
 const DEPTH: usize = 8;
 
 /// Divide the charts. Returns those that have changed.
-pub fn compact(work: &mut Patchwork, limits: &Limits, run: &Run) -> Result<Vec<u32>, Canceled> {
+pub fn compact(
+    work: &mut Patchwork,
+    limits: &ChartLimits,
+    run: &Run,
+) -> Result<Vec<u32>, Canceled> {
     let mut changed = Vec::new();
     if !(0..work.faces.len() as u32).any(|chart| is_wasteful(work, chart, limits)) {
         return Ok(changed);
@@ -72,7 +76,7 @@ fn places(work: &Patchwork) -> Vec<Along> {
     work.uv.chunks_exact(3).map(place).collect()
 }
 
-fn is_wasteful(work: &Patchwork, chart: u32, limits: &Limits) -> bool {
+fn is_wasteful(work: &Patchwork, chart: u32, limits: &ChartLimits) -> bool {
     let empty = work.extent[chart as usize].rectangle - work.area[chart as usize];
     empty >= EMPTY * limits.size * limits.size
 }
@@ -82,7 +86,7 @@ fn best_cut(
     work: &Patchwork,
     chart: u32,
     along: &[Along],
-    limits: &Limits,
+    limits: &ChartLimits,
 ) -> Option<Vec<Vec<u32>>> {
     if !is_wasteful(work, chart, limits) {
         return None;

@@ -8,7 +8,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
-use super::part_mesh::PartMesh;
+use crate::charts::part_mesh::PartMesh;
 use crate::contract::{Canceled, Run};
 use crate::mesh::{DisjointSets, NONE};
 

@@ -1,19 +1,28 @@
 //! What charts are made from: the sides of tubes, and patches of little bend that lie flat within the
 //! bound; a patch that does not is divided.
 
+mod cluster;
+mod initial;
+mod open;
+pub mod sides;
+pub mod split;
+pub mod tube;
+
+pub use initial::initial_patches;
+
 use rayon::prelude::*;
 
-use super::chart::StartKind;
-use super::cluster::cluster;
-use super::fit::{Fit, from_scratch};
-use super::limits::Limits;
-use super::open::open;
-use super::part_mesh::{PartMesh, Piece};
-use super::sides::{Side, glue_side};
-use super::split::halves;
+use crate::charts::chart::StartKind;
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::fit::{Fit, from_scratch};
+use crate::charts::part_mesh::{PartMesh, Piece};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, flatten_triangle};
 use crate::mesh::NONE;
+use cluster::cluster;
+use open::open;
+use sides::{Side, glue_side};
+use split::halves;
 
 /// Patch of each local face, which edges are closed, and the map of each patch. The sides come
 /// first.
@@ -23,7 +32,7 @@ pub type Patches = (Vec<u32>, Vec<bool>, Vec<(Piece, Fit)>);
 pub fn patches(
     mesh: &PartMesh,
     sides: &[Side],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Patches, Canceled> {
     let mut patch_of = vec![NONE; mesh.len()];
@@ -94,7 +103,7 @@ fn lay_flat(
     mesh: &PartMesh,
     faces: &[u32],
     [inside, opened]: [&[bool]; 2],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<(Piece, Fit, bool)>, Canceled> {
     let piece = mesh.cut_open(faces.to_vec(), inside);
@@ -108,7 +117,7 @@ fn lay_flat(
     Ok(fit_patch(&piece, limits, run)?.map(|fit| (piece, fit, false)))
 }
 
-fn fit_patch(piece: &Piece, limits: &Limits, run: &Run) -> Result<Option<Fit>, Canceled> {
+fn fit_patch(piece: &Piece, limits: &ChartLimits, run: &Run) -> Result<Option<Fit>, Canceled> {
     if let &[triangle] = &piece.disk.triangles[..] {
         let [a, b, c] = triangle.map(|v| piece.disk.positions[v as usize]);
         return Ok(Some(Fit {

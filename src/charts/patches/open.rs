@@ -7,9 +7,9 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::cost::edge_cost;
-use super::part_mesh::PartMesh;
-use super::patchwork::next;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::part_mesh::PartMesh;
+use crate::charts::patchwork::next;
 use crate::mesh::NONE;
 
 /// Which local half-edges stay closed when every patch is opened to a disk. A closed patch would

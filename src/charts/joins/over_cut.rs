@@ -7,15 +7,15 @@ use std::collections::BinaryHeap;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-use super::attempt::{Motion, rigid_motion};
-use super::build::{ChartOptions, LEAST_PATCHES, patchwork, pieces};
 use super::candidates;
-use super::cost::edge_cost;
-use super::limits::Limits;
-use super::part_mesh::PartMesh;
-use super::patchwork::{Patchwork, next};
-use super::sides::sides;
-use super::tube;
+use super::proposal::{Motion, rigid_motion};
+use crate::charts::build::{ChartOptions, LEAST_PATCHES, patchwork, pieces};
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::part_mesh::PartMesh;
+use crate::charts::patches::sides::sides;
+use crate::charts::patches::tube;
+use crate::charts::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{Disk, UvMap};
 use crate::mesh::{NONE, Surface};
@@ -67,7 +67,7 @@ pub fn over_cut(
         .filter(|&h| mesh.twin[h] != NONE && differs(h, mesh.twin[h]))
         .collect();
     ends.into_iter().for_each(|h| mesh.twin[h] = NONE);
-    let limits = Limits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::new(surface, options.distortion_bound);
     let found: Result<Vec<Option<OverCutPart>>, Canceled> = pieces(&mesh)
         .into_par_iter()
         .filter(|faces| faces.len() <= 2 * most)
@@ -78,7 +78,7 @@ pub fn over_cut(
 
 fn over_cut_piece(
     mesh: &PartMesh,
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<OverCutPart>, Canceled> {
     run.cancel.check()?;

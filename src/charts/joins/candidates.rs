@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use super::cost::edge_cost;
-use super::part_mesh::PartMesh;
-use super::patchwork::Patchwork;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::part_mesh::PartMesh;
+use crate::charts::patchwork::Patchwork;
 use crate::mesh::NONE;
 
 /// A part of a common border that is shorter than this share of the smaller chart's size (√area) is

@@ -1,7 +1,7 @@
 //! What a seam costs at an edge: seams belong where the surface bends and, above all, in concave creases,
 //! where the file has seams already, and where they are hidden (docs/method.md, 4.1).
 
-use super::part_mesh::PartMesh;
+use crate::charts::part_mesh::PartMesh;
 use crate::mesh::NONE;
 
 /// Cost of a unit of seam where the surface is flat.

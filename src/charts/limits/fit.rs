@@ -3,7 +3,7 @@
 
 use glam::DMat2;
 
-use super::chart::StartKind;
+use crate::charts::chart::StartKind;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 

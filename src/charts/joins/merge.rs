@@ -13,13 +13,13 @@ use std::collections::{BTreeSet, BinaryHeap};
 
 use rayon::prelude::*;
 
-use super::attempt::Attempt;
 use super::candidates::{self, Candidate};
-use super::limits::Limits;
-use super::patchwork::Patchwork;
+use super::proposal::Proposal;
+use crate::charts::limits::ChartLimits;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 
-/// Faces that all attempts together may flatten, per face of the part …
+/// Faces that all proposals together may flatten, per face of the part …
 const WORK_PER_FACE: usize = 24;
 
 /// … up to so many faces; beyond, a quarter of that.
@@ -81,9 +81,14 @@ impl Queue<'_> {
         self.push(work, candidate);
     }
 
-    /// The next attempts that are worth a solve, no two of them with a chart in common, so that they can
+    /// The next proposals that are worth a solve, no two of them with a chart in common, so that they can
     /// be solved at the same time; what they take is taken off the allowance.
-    fn batch(&mut self, work: &Patchwork, limits: &Limits, allowance: &mut usize) -> Vec<Attempt> {
+    fn batch(
+        &mut self,
+        work: &Patchwork,
+        limits: &ChartLimits,
+        allowance: &mut usize,
+    ) -> Vec<Proposal> {
         let (mut batch, mut busy, mut later) = (Vec::new(), BTreeSet::new(), Vec::new());
         while batch.len() < BATCH && later.len() < AHEAD {
             let Some((candidate, seam)) = self.pop(work) else { break };
@@ -91,14 +96,14 @@ impl Queue<'_> {
                 later.push(candidate);
                 continue;
             }
-            let Some(attempt) = Attempt::prepare(work, &candidate, seam, limits) else {
+            let Some(proposal) = Proposal::prepare(work, &candidate, seam, limits) else {
                 self.fail(work, candidate);
                 continue;
             };
-            if let Some(left) = allowance.checked_sub(attempt.candidate.size(work)) {
+            if let Some(left) = allowance.checked_sub(proposal.candidate.size(work)) {
                 *allowance = left;
                 busy.extend([candidate.a, candidate.b]);
-                batch.push(attempt);
+                batch.push(proposal);
             }
         }
         later.into_iter().for_each(|candidate| self.push(work, candidate));
@@ -125,7 +130,7 @@ pub fn merge(
     work: &mut Patchwork,
     among: &[u32],
     openness: Option<&[f32]>,
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<(), Canceled> {
     let charts = work.faces.len();
@@ -153,8 +158,8 @@ pub fn merge(
             break;
         }
         let solved: Result<Vec<_>, Canceled> =
-            batch.par_iter().map(|attempt| attempt.solve(work, limits, run)).collect();
-        for (Attempt { candidate, .. }, union) in batch.into_iter().zip(solved?) {
+            batch.par_iter().map(|proposal| proposal.solve(work, limits, run)).collect();
+        for (Proposal { candidate, .. }, union) in batch.into_iter().zip(solved?) {
             let Some(union) = union else {
                 queue.fail(work, candidate);
                 continue;

@@ -9,13 +9,13 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::attempt::{Motion, lay_out, rigid_motion};
-use super::candidates;
-use super::cost::edge_cost;
-use super::fit::{Fit, refine};
-use super::limits::Limits;
-use super::part_mesh::Piece;
-use super::patchwork::Patchwork;
+use crate::charts::joins::candidates;
+use crate::charts::joins::proposal::{Motion, lay_out, rigid_motion};
+use crate::charts::limits::ChartLimits;
+use crate::charts::limits::cost::edge_cost;
+use crate::charts::limits::fit::{Fit, refine};
+use crate::charts::part_mesh::Piece;
+use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{Flow, NONE};
 
@@ -43,7 +43,7 @@ const UNCUT: f64 = 1e3;
 pub fn straighten(
     work: &mut Patchwork,
     among: &[u32],
-    limits: &Limits,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Vec<u32>, Canceled> {
     let faces: usize = among.iter().map(|&c| work.faces[c as usize].len()).sum();
@@ -241,7 +241,7 @@ impl Move {
     fn solve(
         &self,
         work: &Patchwork,
-        limits: &Limits,
+        limits: &ChartLimits,
         run: &Run,
     ) -> Result<Option<[(Piece, Fit); 2]>, Canceled> {
         let [a, b] = self.charts;
@@ -270,7 +270,7 @@ impl Move {
         faces: Vec<u32>,
         moved: u32,
         motion: Motion,
-        limits: &Limits,
+        limits: &ChartLimits,
         run: &Run,
     ) -> Result<Option<(Piece, Fit)>, Canceled> {
         let glued = |h: u32| work.glued[h as usize] != self.toggled.contains(&h);
