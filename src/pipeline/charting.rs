@@ -153,14 +153,14 @@ mod tests {
         let run = Run::quiet();
         let (_, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let how = ChartOptions::from(&scenes::options());
-        let control = attempt(&solvers, &how, None, &run).unwrap();
-        assert_eq!(control.joint_seams, None);
+        let baseline = attempt(&solvers, &how, None, &run).unwrap();
+        assert_eq!(baseline.joint_seams, None);
         // All edges alike, and nothing known of any.
         for (open, pieces, gain) in [(0.5, 1, Some(0.0)), (f32::NAN, 0, None)] {
             let openness = vec![open; solvers.surface.twin.len()];
             let cut = attempt(&solvers, &how, Some(&openness), &run).unwrap();
             assert_eq!(cut.joint_seams, Some(JointSeams { pieces, kept: 0, gain }));
-            assert_eq!(cut.charts, control.charts);
+            assert_eq!(cut.charts, baseline.charts);
         }
     }
 
