@@ -209,7 +209,6 @@ impl Search<'_> {
         let (mut step, mut left, mut idle, mut batch) = (STEPS[0], f64::INFINITY, 0, 0);
         let mut scaled = self.scaled(best.density * (1.0 + step));
         while idle < END && self.goes_on() {
-            self.run.advance(self.work as f64 / WORK as f64);
             // At a new density the arrangement itself is tried too.
             let unchanged = left.is_infinite();
             let next = |k| match k {
@@ -250,6 +249,7 @@ impl Search<'_> {
             all.par_iter().map(|a| self.trial(a, scaled)).collect();
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
         self.work += trials.iter().map(|t| t.work).sum::<u64>();
+        self.run.advance(self.work as f64 / WORK as f64);
         Ok(trials)
     }
 

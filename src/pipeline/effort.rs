@@ -29,7 +29,7 @@ pub fn required_bytes(faces: u64, options: &UnwrapOptions) -> u64 {
     faces.saturating_mul(BYTES_PER_FACE).saturating_add(atlas::raster_bytes(options.page_size))
 }
 
-/// Expected seconds of each stage on one core (lines through 58 objects of 300 to 73,000 faces).
+/// Expected seconds of each stage on one core (lines through 41 objects of 300 to 75,000 faces).
 fn work(faces: f64, options: &UnwrapOptions) -> Vec<(Stage, f64)> {
     let thousands = faces / 1000.0;
     let line = |fixed: f64, each: f64| fixed + each * thousands;
@@ -37,22 +37,22 @@ fn work(faces: f64, options: &UnwrapOptions) -> Vec<(Stage, f64)> {
         (Stage::Import, line(0.002, 0.0003)),
         (Stage::Condition, line(0.001, 0.0006)),
         (Stage::Sample, line(0.003, 0.0014)),
-        (Stage::Segment, line(0.22, 0.006)),
+        (Stage::Segment, line(0.21, 0.006)),
     ];
     let train = match options.quality {
         Quality::Fast => 0.0,
-        Quality::Balanced => line(0.15, 0.05).min(2.0),
+        Quality::Balanced => line(0.2, 0.04).min(2.0),
         Quality::Best => line(0.5, 0.2),
     };
     let joint = if options.quality == Quality::Best { 2.0 } else { 1.0 };
     if options.stop_after != Some(StopAfter::Segmentation) {
-        work.push((Stage::Charts, joint * line(0.15, 0.06)));
+        work.push((Stage::Charts, joint * line(0.12, 0.065)));
         if options.stop_after.is_none() {
             work.extend([(Stage::Train, train), (Stage::Polish, line(0.003, 0.006))]);
         }
-        work.extend([(Stage::Pack, line(0.5, 0.004)), (Stage::Measure, line(0.01, 0.005))]);
+        work.extend([(Stage::Pack, line(0.42, 0.004)), (Stage::Measure, line(0.01, 0.005))]);
     }
-    work.extend([(Stage::Preview, line(0.4, 0.002)), (Stage::Export, line(0.002, 0.0006))]);
+    work.extend([(Stage::Preview, line(0.24, 0.004)), (Stage::Export, line(0.002, 0.0006))]);
     work
 }
 

@@ -45,11 +45,15 @@ pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError>
         return Ok(encode_png(&page, png::Compression::Fast)?);
     }
     let edges = EdgeTable::new(input, |f| input.face_map(f as usize).is_some(), cancel)?;
+    let panels = run.steps(4, 0.1, 1.0);
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE, Vec3::ONE, Vec3::ONE);
     page.paste_smaller(&checker_panel(input, &edges, cancel)?, FACTOR, 0, 0);
+    panels.add(2);
     page.paste_smaller(&parts_panel(input, &edges, SMALL, cancel)?, FACTOR, LARGE, 0);
+    panels.step();
     cancel.check()?;
     page.paste_smaller(&layout_panel(input, &edges), FACTOR, LARGE, SMALL);
+    panels.step();
     for y in 0..LARGE {
         page.pixels[y * page.width + LARGE] = linear(RULE);
     }

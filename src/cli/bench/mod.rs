@@ -6,6 +6,7 @@ mod files;
 mod object;
 mod options;
 mod peer;
+mod progress;
 mod quality;
 mod row;
 mod same;
@@ -31,6 +32,8 @@ enum What {
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),
+    /// Unwrap objects and tell how far the fraction that each job tells lies from the time that has gone.
+    Progress(progress::Args),
     /// Unwrap objects with this program and with another build of it, with one thread and with two, and
     /// compare every file.
     Same(same::Args),
@@ -48,6 +51,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
+        What::Progress(args) => progress::run(args),
         What::Same(args) => same::run(args),
         What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),

@@ -20,6 +20,12 @@ const QUERIES: usize = 16_384;
 /// Attitudes in which the object is shown: which way is up is not known.
 const POSES: usize = 3;
 
+/// Share of the stage's time that goes before the first pose …
+const BEFORE_POSES: f64 = 0.25;
+
+/// … and that is gone after the last one.
+const POSES_DONE: f64 = 0.85;
+
 /// Evidence for each face. Faces without area have none.
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
@@ -58,6 +64,8 @@ pub fn gather(seen: &Outside, network: Option<&Network>, run: &Run) -> Result<Ev
     evidence.width = POSES * config.part;
     evidence.embedding = vec![0.0; faces * evidence.width];
     evidence.names = vec![0.0; faces * NAMES.len()];
+    run.advance(BEFORE_POSES);
+    let steps = run.steps(POSES, BEFORE_POSES, POSES_DONE);
     for pose in 0..POSES {
         run.cancel.check()?;
         let (shown, asked_places) = (turned(&whole, pose), turned(&places, pose));
@@ -76,6 +84,7 @@ pub fn gather(seen: &Outside, network: Option<&Network>, run: &Run) -> Result<Ev
         }
         let sum = evidence.names.iter_mut().zip(&names);
         sum.for_each(|(sum, name)| *sum += name / POSES as f32);
+        steps.step();
     }
     Ok(evidence)
 }
