@@ -2,7 +2,7 @@
 //! what does not fit is left over. From the best arrangement so far, batches of changed ones are
 //! tried at a slightly higher density, and the one that leaves least over goes on. Nothing here
 //! looks at a clock: the search ends after so many rows of cells have been looked at, and a batch is
-//! judged in its own order, so that neither the machine nor its threads have a say.
+//! compared in its own order, so that neither the machine nor its threads have a say.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -65,7 +65,7 @@ impl Piece {
     }
 }
 
-/// What is packed onto.
+/// The pages that are packed onto.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheet {
     /// Most pages.

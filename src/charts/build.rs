@@ -1,5 +1,5 @@
-//! Parts into charts (pipeline 4): the side of a tube with one axial cut, everything else as patches,
-//! all joined while the objective falls and the distortion bound holds.
+//! Parts into charts (docs/method.md, section 4): the side of a tube with one axial cut, everything else as
+//! patches, all merged while the objective falls and the distortion bound holds.
 
 use rayon::prelude::*;
 
@@ -34,10 +34,10 @@ pub const LEAST_PATCHES: usize = 3;
 /// Rounds of joining charts and moving their seams …
 const ROUNDS: usize = 3;
 
-/// … of a piece of so many faces or fewer; one of more gets the fewer of them, but one.
+/// … of a component of so many faces or fewer; one of more gets the fewer of them, but one.
 const ROUND_FACES: usize = 60_000;
 
-/// Steps of a piece that progress is counted by: patches, the first joining, the others, the last moves.
+/// Steps of a component that progress is counted by: patches, the first merging, the others, the last moves.
 const STEPS: usize = 4;
 
 /// What the cut is told.
@@ -69,22 +69,22 @@ pub fn build(
 pub struct Built {
     /// In order of part, and within a part of first face.
     pub charts: Vec<Chart>,
-    /// The arms of each piece that was joined both ways.
+    /// Both results for each component that was merged both ways.
     pub arms: Vec<Arms>,
 }
 
-/// Objective J·ΣA of one piece, joined two ways; the lower one is kept.
+/// Objective Φ·ΣA of one connected component of a part, merged two ways; the lower one is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arms {
-    /// By what is saved for the work it takes, or in the best of the orders drawn at random.
+    /// The baseline: by what is saved for the work it takes, or in the best of the orders drawn at random.
     pub control: f64,
     /// In the order that the soft map says.
     pub joint: f64,
 }
 
 /// Like [`build`]. `openness` says of each half-edge of the surface how far a soft map has left it open, 0
-/// to 1, and NaN where it knows nothing (pipeline 5a): a piece of which it knows something is joined by it
-/// too, and the better of both is kept.
+/// to 1, and NaN where it knows nothing: a component of which it knows something is merged by it too, and
+/// the better of both is kept.
 pub fn build_jointly(
     surface: &Surface,
     part_of: &[u32],
@@ -157,7 +157,7 @@ struct Cutter<'a> {
 }
 
 impl Cutter<'_> {
-    /// One of the [`STEPS`] of a piece is done.
+    /// One of the [`STEPS`] of a component is done.
     fn step(&self, mesh: &PartMesh) {
         if let Some(steps) = &self.steps {
             steps.add(mesh.len());
@@ -178,8 +178,8 @@ impl Cutter<'_> {
         Ok(built)
     }
 
-    /// A piece as charts: the sides of its tube and, of the rest, patches that lie flat within the bound;
-    /// joined while the objective falls.
+    /// A component as charts: the sides of its tube and, of the rest, patches that lie flat within the bound;
+    /// merged while the objective falls.
     fn weld(
         &self,
         mesh: &PartMesh,
@@ -229,14 +229,14 @@ impl Cutter<'_> {
     }
 }
 
-/// Connected pieces of a part, as faces of the surface.
+/// Connected components of a part, as faces of the surface.
 pub fn pieces(mesh: &PartMesh) -> Vec<Vec<u32>> {
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let global = |piece: Vec<u32>| piece.iter().map(|&f| mesh.faces[f as usize]).collect();
     mesh.components(&all, |_| true).into_iter().map(global).collect()
 }
 
-/// The over-cut state: sides and patches, each with its map.
+/// What merging starts from: the sides of a tube and patches, each with its map.
 pub fn patchwork<'a>(
     mesh: &'a PartMesh<'a>,
     sides: &[Side],
@@ -271,7 +271,7 @@ fn join<'a>(
     Ok(work)
 }
 
-/// J·ΣA of a piece: energy, and what its seams and its charts are worth.
+/// Φ·ΣA of a component: energy, and what its seams and its charts are worth.
 fn objective(work: &Patchwork, limits: &ChartLimits) -> f64 {
     let open = |h: &u32| {
         let t = work.mesh.twin[*h as usize];

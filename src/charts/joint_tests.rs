@@ -1,4 +1,4 @@
-//! Joint seams: the over-cut state, and joining in the order that a soft map says.
+//! Joint seams: the over-cut mesh, and merging in the order that a soft map says.
 
 use glam::DVec3;
 
@@ -70,7 +70,7 @@ fn a_box_is_joined_where_a_soft_map_has_closed_it() {
 fn what_a_soft_map_leaves_open_is_followed_where_it_is_better() {
     let (s, part_of) = rough();
     let options = ChartOptions { distortion_bound: 0.01 };
-    let control = build(&s, &part_of, &options, &Run::quiet()).unwrap();
+    let baseline = build(&s, &part_of, &options, &Run::quiet()).unwrap();
     let mut followed = [0, 0];
     for seed in 0..16 {
         let mut random = Seeded::new(seed, 0);
@@ -78,7 +78,7 @@ fn what_a_soft_map_leaves_open_is_followed_where_it_is_better() {
         let built = build_jointly(&s, &part_of, &options, Some(&openness), &Run::quiet()).unwrap();
         let [arms] = built.arms[..] else { panic!("{:?}", built.arms) };
         let better = arms.joint < arms.control;
-        assert_eq!(built.charts != control, better, "{arms:?}");
+        assert_eq!(built.charts != baseline, better, "{arms:?}");
         followed[usize::from(better)] += 1;
     }
     assert!(followed.iter().all(|&n| n > 0), "{followed:?}");

@@ -1,5 +1,5 @@
 //! Parts into charts: boundary features, cylinders and cones, cuts, split and merge. A chart is a
-//! topological disk, or a sheet that lies flat with its holes. Charts are made from patches that can be
+//! topological disk, or a flat set of faces with holes. Charts are made from patches that can be
 //! flattened and are joined along one path at a time, so that holes, handles and closed surfaces are cut
 //! where they must be and never refused.
 

@@ -77,7 +77,7 @@ impl<'a> PartMesh<'a> {
         self.surface.length(self.surface_half_edge(h))
     }
 
-    /// Connected pieces of some local faces over the edges that `joined` lets through; each
+    /// Connected components of some local faces over the edges that `joined` lets through; each
     /// ascending, in order of their first face.
     pub fn components(&self, faces: &[u32], joined: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
         let mut of = vec![NONE; self.len()];

@@ -27,11 +27,11 @@ enum What {
     Pretrain(RunArgs),
     /// Learn parts and names from labelled objects.
     Finetune(RunArgs),
-    /// Learn, with a network that is trained, where regions of an object join to parts.
+    /// Train the boundary classifier: with a network that is trained, between which regions parts end.
     Joins(Joins),
 }
 
-/// How to train the judge of joins.
+/// How to train the boundary classifier.
 #[derive(Debug, clap::Args)]
 struct Joins {
     /// The trained network.
@@ -66,7 +66,7 @@ struct Joins {
     device: DeviceChoice,
 }
 
-/// Train the judge of joins.
+/// Train the boundary classifier.
 fn joins(args: Joins) -> Result<()> {
     let (run, device) = (Run::quiet(), choose(&args.device)?);
     let config = args.size.config();

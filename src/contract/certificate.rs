@@ -28,7 +28,7 @@ pub struct Certificate {
     /// page; null where there is no other chart.
     #[schema(required)]
     pub min_gutter_texels: Option<f64>,
-    /// Whether both sheets of double-sided faces share their UVs on purpose
+    /// Whether both sheets of double-sided objects share their UVs on purpose
     /// (`double_sided = share`).
     pub shared_sheets: bool,
 }

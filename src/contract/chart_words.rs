@@ -41,7 +41,7 @@ pub enum StartKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartForm {
-    /// A network was trained, and its map was as good as or better than the control.
+    /// A network was trained, and its map, polished, is better than the baseline (the start map, polished).
     Trained,
     /// The start map, polished: isometric already, not worth training, or better than the network.
     #[default]

@@ -120,7 +120,7 @@ pub struct Figures {
     /// Texels per world unit.
     #[schema(required)]
     pub texel_density: Option<TexelDensity>,
-    /// Edges where two faces of a sheet have different UVs.
+    /// Cuts: an edge of k faces needs ⌈k/2⌉ different UV edges, and each further one is a cut.
     pub seam_edges: u64,
     /// Their length in 3D, counted once.
     #[schema(required)]
@@ -236,27 +236,27 @@ pub struct PartJoin {
     pub boundary: f64,
 }
 
-/// Seams found by training them with the maps, against joining alone.
+/// Seams found by training them with the maps, against merging alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 pub struct JointSeams {
-    /// Connected pieces of parts that were joined both ways.
+    /// Connected components of parts that were merged both ways.
     pub pieces: u32,
     /// Of those, how many keep the trained seams.
     pub kept: u32,
-    /// By which share the objective (energy, seam cost and charts) of all of them fell below joining
-    /// alone; null where there was no piece.
+    /// By which share the objective (energy, seam cost and charts) of all of them fell below merging
+    /// alone; null where there was none.
     #[schema(required)]
     pub gain: Option<f64>,
 }
 
-/// What each way to the map reached (symmetric Dirichlet, 1 is isometric). Arms that did not run
+/// What each way to the map reached (symmetric Dirichlet, 1 is isometric). Ways that did not run
 /// are null.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 pub struct NeuralGain {
     /// The start map.
     #[schema(required)]
     pub start: Option<f64>,
-    /// The start map, polished: the control.
+    /// The start map, polished: the baseline.
     #[schema(required)]
     pub start_polish: Option<f64>,
     /// The network's map.
@@ -265,7 +265,7 @@ pub struct NeuralGain {
     /// The network's map, polished.
     #[schema(required)]
     pub net_polish: Option<f64>,
-    /// (J_control − J_net)/J_control: above 0 when the network earns its place.
+    /// (start_polish − net_polish)/start_polish: above 0 where the network earns its place.
     #[schema(required)]
     pub gain: Option<f64>,
 }

@@ -13,7 +13,7 @@ pub struct Border {
     /// Whether every edge has at most two triangles, wound consistently, and no vertex joins two
     /// fans.
     pub manifold: bool,
-    /// Pieces joined by edges.
+    /// Connected components.
     pub pieces: usize,
 }
 
@@ -58,7 +58,7 @@ impl Border {
         Self { loops, euler, manifold, pieces: pieces(&twins) }
     }
 
-    /// One piece, one boundary loop, Euler characteristic 1, no pinch.
+    /// One component, one boundary loop, Euler characteristic 1, no pinch.
     pub fn is_disk(&self) -> bool {
         self.manifold && self.pieces == 1 && self.euler == 1 && self.loops.len() == 1
     }
@@ -97,7 +97,7 @@ fn twins(triangles: &[[u32; 3]]) -> (Vec<Option<u32>>, usize, bool) {
     (twins, count, manifold)
 }
 
-/// How many pieces the triangles make when joined at twin half-edges.
+/// How many components the triangles make when joined at twin half-edges.
 fn pieces(twins: &[Option<u32>]) -> usize {
     let mut seen = vec![false; twins.len() / 3];
     let (mut count, mut stack) = (0, Vec::new());

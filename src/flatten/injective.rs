@@ -19,7 +19,7 @@ pub struct ChartProof {
     pub flipped: u64,
     /// Triangles of positive 3D area whose corners are collinear in UV.
     pub zero_area: u64,
-    /// Whether the chart is one manifold piece whose boundary polygons neither cross nor touch, one of
+    /// Whether the chart is one connected manifold whose boundary polygons neither cross nor touch, one of
     /// them around all others.
     pub simple_boundary: bool,
 }
@@ -72,7 +72,7 @@ pub fn certify_within(border: &Border, disk: &Disk, uv: &[DVec2]) -> ChartProof 
     ChartProof { flipped, zero_area, simple_boundary: has_simple_boundary(border, uv) }
 }
 
-/// Whether a chart is one manifold piece whose boundary polygons neither cross nor touch, exactly one
+/// Whether a chart is one connected manifold whose boundary polygons neither cross nor touch, exactly one
 /// of them counter-clockwise.
 pub fn has_simple_boundary(border: &Border, uv: &[DVec2]) -> bool {
     if !border.manifold || border.pieces != 1 {

@@ -15,7 +15,7 @@ use super::{Disk, FlattenError, UvMap};
 /// `frames`: one Jacobian a triangle. The map may flip triangles.
 ///
 /// # Errors
-/// Where the triangles are not one piece.
+/// Where the triangles are not one connected component.
 pub fn stitch(disk: &Disk, frames: &[DMat2], near: &[DVec2]) -> Result<UvMap, FlattenError> {
     let n = disk.positions.len();
     let mut entries = Vec::with_capacity(6 * disk.triangles.len() + 1);

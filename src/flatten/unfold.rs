@@ -22,7 +22,7 @@ pub fn unfold(disk: &Disk) -> Option<UvMap> {
     let mut frontier = BinaryHeap::new();
     let corners = |f: usize| disk.triangles[f].map(|v| disk.positions[v as usize]);
 
-    // The largest triangle is the root; further pieces get roots of their own.
+    // The largest triangle is the root; further components get roots of their own.
     let mut roots: Vec<usize> = (0..faces).filter(|&f| disk.areas[f] > 0.0).collect();
     roots.sort_by(|&f, &g| disk.areas[g].total_cmp(&disk.areas[f]).then(f.cmp(&g)));
     for root in roots {

@@ -1,5 +1,5 @@
 //! Seams that the file's own texture coordinates have: where an artist has cut before. A new cut that
-//! can follow them is cheaper (pipeline: cut cost).
+//! can follow them is cheaper (docs/method.md, 4.1).
 
 use super::{NONE, Scene};
 

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::NONE;
 
 /// Two faces folded back onto each other (cosine of the angle between their normals) are not one
-/// surface: they are the rim of a double-sided sheet.
+/// surface: they are the rim of a double-sided object.
 const FOLDED: f64 = -0.9999;
 
 /// Half-edges grouped by the (unordered) edge they run along: half-edge numbers sorted by edge, and

@@ -2,7 +2,7 @@
 //! sky a point sees, and which faces are near a point. A bounding volume hierarchy over the usable
 //! faces, split at the median of the longest axis, so that its depth is ⌈log₂ n⌉ whatever the input.
 //!
-//! A ray that starts on a face sees neither that face nor the sheet behind it ([`Surface::sheet_mate`]):
+//! A ray that starts on a face sees neither that face nor its mate behind it ([`Surface::sheet_mate`]):
 //! in a file where every face stands twice, everything would read as hidden otherwise.
 
 #[cfg(test)]
@@ -101,7 +101,7 @@ impl Rays {
     }
 
     /// The first face that a ray meets within `reach` (in lengths of `direction`). A ray that starts
-    /// on face `from` sees neither it nor its paired sheet ([`NONE`]: it sees all).
+    /// on face `from` sees neither it nor its mate ([`NONE`]: it sees all).
     pub fn closest_hit(
         &self,
         origin: DVec3,

@@ -27,8 +27,8 @@ pub struct FaceOrigin {
     /// Connected component, counted within the primitive's own vertices (before welding across
     /// primitives).
     pub component: u32,
-    /// Faces that hang together by the file's own vertices, nothing welded: what the author kept apart
-    /// has another shell, but so has each smooth patch of a file that splits vertices at hard edges.
+    /// File component: faces that are connected by the file's own vertices, nothing welded. What the author
+    /// kept apart has another one, but so has each smooth area of a file that splits vertices at hard edges.
     pub shell: u32,
 }
 
@@ -121,8 +121,8 @@ impl Surface {
         if self.reversed[face] { [0, 2, 1][k] } else { k }
     }
 
-    /// The sheets as meshes of their own: vertices at which several fans of faces meet (where sheets
-    /// touch, at bow ties) are one vertex a fan. Positions, and a triangle a face.
+    /// The connected components as meshes of their own: a vertex at which several fans of faces meet (where
+    /// components touch, at bow ties) is one vertex a fan. Positions, and a triangle a face.
     pub fn sheets(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let mut corners = DisjointSets::new(3 * self.face_count());
         let next = |h: u32| 3 * (h / 3) + (h + 1) % 3;

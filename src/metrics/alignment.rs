@@ -24,7 +24,7 @@ pub(super) struct EdgeSample {
     pub share: f64,
 }
 
-/// Points in the middle of equal pieces, no longer than `step`, of the edges that `wanted` picks.
+/// Points in the middle of equal stretches, no longer than `step`, of the edges that `wanted` picks.
 pub(super) fn sample_edges(
     surface: &Surface,
     table: &EdgeTable,
@@ -33,12 +33,12 @@ pub(super) fn sample_edges(
 ) -> Vec<EdgeSample> {
     let mut samples = vec![];
     for e in (0..table.len()).filter(|&e| wanted(e)) {
-        let pieces = (table.length[e] / step).ceil().clamp(1.0, MOST);
+        let count = (table.length[e] / step).ceil().clamp(1.0, MOST);
         let [a, b] = table.ends[e].map(|v| surface.positions[v as usize]);
-        samples.extend((0..pieces as u32).map(|i| EdgeSample {
+        samples.extend((0..count as u32).map(|i| EdgeSample {
             edge: e as u32,
-            point: a.lerp(b, (f64::from(i) + 0.5) / pieces),
-            share: 1.0 / pieces,
+            point: a.lerp(b, (f64::from(i) + 0.5) / count),
+            share: 1.0 / count,
         }));
     }
     samples

@@ -33,7 +33,7 @@ struct Candidate {
     share: f64,
     point: DVec3,
     normal: DVec3,
-    /// Whether each side of the surface may be seen: single sheets have no inside.
+    /// Whether both sides of the surface may be seen: a face without a mate has no inside.
     both_sides: bool,
 }
 
@@ -46,8 +46,7 @@ impl Avoidable {
         cancel: &Cancel,
     ) -> Result<Self, Canceled> {
         let mut candidates = vec![];
-        // Cuts of an edge that have a sheet on both sides; where two sheets only meet, the surface
-        // ends and there is nothing to avoid.
+        // Cuts of an edge that part two twins; where the surface ends there is nothing to avoid.
         let mut pairs: Vec<(u32, u32)> = vec![];
         let (mut edge, mut weight) = (NONE, 0.0);
         for (s, _) in seams.samples.iter().zip(&seams.near).filter(|(_, near)| !**near) {

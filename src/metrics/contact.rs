@@ -19,7 +19,7 @@ const TOUCH: f64 = 0.005;
 /// Most samples on feature edges, beside one an edge.
 const MOST_SAMPLES: f64 = 10_000.0;
 
-/// A piece of contact curve.
+/// A stretch of contact curve.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     /// Component that it lies on, and the one it touches.

@@ -2,9 +2,9 @@
 //! boundaries. Edges are those of positions, not of vertices: where conditioning took a vertex apart
 //! its copies still stand at one place.
 //!
-//! A sheet's faces pair off at an edge, so `k` faces need ⌈k/2⌉ different UV edges; each further one
-//! is a cut. Two faces: 1 or 2. The four faces of a double-sided surface: 2 where neither sheet is
-//! cut, so that two sheets are no seam by themselves.
+//! Faces pair off at an edge, so `k` of them need ⌈k/2⌉ different UV edges; each further one is a cut.
+//! Two faces: 1 or 2. The four faces of a double-sided object: 2 where neither sheet is cut, so that two
+//! sheets are no seam by themselves.
 
 use rayon::prelude::*;
 
@@ -132,16 +132,16 @@ impl EdgeTable {
         self.rim.extend(rim);
         self.ends.push([a, b]);
         self.length.push(surface.length(first));
-        let sheets = group.len().div_ceil(2);
-        self.cuts.push(different.len().saturating_sub(sheets) as u32);
+        let needed = group.len().div_ceil(2);
+        self.cuts.push(different.len().saturating_sub(needed) as u32);
         self.boundary.push(is_boundary(input, group));
         self.starts.push(self.half_edges.len() as u32);
     }
 }
 
 /// Whether part labels differ at an edge. With given labels, between any two of its faces (−1 is no
-/// label); without, between the parts that its sheets join, since the two sheets of a double-sided
-/// face may be two parts.
+/// label); without, between those of two twins, since the two sheets of a double-sided object may be two
+/// parts.
 fn is_boundary(input: &Measured, group: &[(u32, u32, u32)]) -> bool {
     if let Some(labels) = input.boundary_labels {
         let mut known = group.iter().map(|&(_, _, h)| labels[h as usize / 3]).filter(|&l| l >= 0);

@@ -39,16 +39,16 @@ impl Seams {
     }
 }
 
-/// Number of connected pieces of a graph that is given by its edges.
+/// Number of connected components of a graph that is given by its edges.
 fn connected(edges: &[[u32; 2]]) -> u64 {
     let mut nodes: Vec<u32> = edges.iter().flatten().copied().collect();
     nodes.sort_unstable();
     nodes.dedup();
     let mut sets = DisjointSets::new(nodes.len());
-    let mut pieces = nodes.len() as u64;
+    let mut components = nodes.len() as u64;
     for edge in edges {
         let [a, b] = edge.map(|v| nodes.partition_point(|&n| n < v) as u32);
-        pieces -= u64::from(sets.join(a, b));
+        components -= u64::from(sets.join(a, b));
     }
-    pieces
+    components
 }

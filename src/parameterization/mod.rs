@@ -49,7 +49,7 @@ pub struct TrainChart<'a> {
     pub crease: Vec<f64>,
     /// The unrolled shape, where the chart was taken for a cylinder or cone.
     pub cylinder: Option<CylinderTarget>,
-    /// Candidate seams, where the chart is a whole over-cut part.
+    /// Candidate seams, where the chart is an over-cut mesh.
     pub over_cut: Option<OverCut>,
     /// A number that stays the same from run to run: it decides the chart's random numbers.
     pub id: u64,

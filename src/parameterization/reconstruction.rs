@@ -3,7 +3,7 @@
 //!
 //! In the second half the other inputs (normal, boundary features) are taken at the surface point that
 //! owns u, and the start UV is jittered, or F_uv could copy it. F_inv has one value for each u, so two
-//! sheets over one u cost half their squared distance: a soft sign of overlap, which no loss on
+//! layers over one u cost half their squared distance: a soft sign of overlap, which no loss on
 //! triangles gives. The paper's second half, ‖F_uv(P) − U‖², is 0 where U is the prediction, so its
 //! form is the first half alone.
 //!

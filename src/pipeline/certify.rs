@@ -114,7 +114,7 @@ fn triangle(chart: &Chart, face: usize, scale: Scale) -> Mapped {
     Mapped { enlarged, ..Mapped::from_cut(alone) }
 }
 
-/// What is left of a chart without some of its faces, each connected piece with the chart's map.
+/// What is left of a chart without some of its faces, each connected component with the chart's map.
 fn pieces(mapped: &Mapped, without: &[bool]) -> Vec<Mapped> {
     let chart = &mapped.chart;
     let kept: Vec<usize> = (0..without.len()).filter(|&f| !without[f]).collect();

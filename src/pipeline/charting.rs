@@ -79,11 +79,11 @@ fn attempt(
     let joint_seams = openness.map(|_| {
         let kept = |arms: &&Arms| arms.joint < arms.control;
         let sum = |of: fn(&Arms) -> f64| built.arms.iter().map(of).sum::<f64>();
-        let (control, best) = (sum(|a| a.control), sum(|a| a.control.min(a.joint)));
+        let (baseline, best) = (sum(|a| a.control), sum(|a| a.control.min(a.joint)));
         JointSeams {
             pieces: built.arms.len() as u32,
             kept: built.arms.iter().filter(kept).count() as u32,
-            gain: (control > 0.0).then(|| (control - best) / control),
+            gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
         }
     });
     Ok(Cut { charts: built.charts, joint_seams })
@@ -153,14 +153,14 @@ mod tests {
         let run = Run::quiet();
         let (_, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let how = ChartOptions::from(&scenes::options());
-        let control = attempt(&solvers, &how, None, &run).unwrap();
-        assert_eq!(control.joint_seams, None);
+        let baseline = attempt(&solvers, &how, None, &run).unwrap();
+        assert_eq!(baseline.joint_seams, None);
         // All edges alike, and nothing known of any.
         for (open, pieces, gain) in [(0.5, 1, Some(0.0)), (f32::NAN, 0, None)] {
             let openness = vec![open; solvers.surface.twin.len()];
             let cut = attempt(&solvers, &how, Some(&openness), &run).unwrap();
             assert_eq!(cut.joint_seams, Some(JointSeams { pieces, kept: 0, gain }));
-            assert_eq!(cut.charts, control.charts);
+            assert_eq!(cut.charts, baseline.charts);
         }
     }
 

@@ -1,6 +1,6 @@
-//! Joint seams (pipeline 5a): the network trains a soft map of each over-cut part, in which seams may
-//! close; what it leaves open says in which order the patches are joined. The combinatorial order is the
-//! control, and the better of both is kept.
+//! Joint seams (docs/method.md, 4.6): the network trains a soft map of each connected component of a part,
+//! cut at every seam between patches, in which seams may close; what it leaves open says in which order the
+//! patches are merged. The best of the other orders is the baseline, and the better of both is kept.
 
 use super::engine::Engine;
 use super::error::Cause;

@@ -1,5 +1,5 @@
-//! The map of each chart: the network's and the control's, each polished; the better one ships, and
-//! the metrics say what each reached (pipeline 5 and 6).
+//! The map of each chart: the network's and the baseline (the start map), each polished; the better one
+//! ships, and the metrics say what each reached (docs/method.md, sections 5 and 6).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +22,7 @@ const STEPS: u32 = 20;
 /// Triangles beyond which the polish takes fewer steps.
 const STEPS_FACES: usize = 20_000;
 
-/// A chart as good as the control ships the control: the network must win by this much.
+/// A chart as good as the baseline ships the baseline: the network must win by this much.
 const MARGIN: f64 = 1e-6;
 
 /// A chart with its final map.
@@ -38,7 +38,7 @@ pub struct Mapped {
     pub isometric_start: bool,
     /// Training steps.
     pub steps: u32,
-    /// What each arm reached.
+    /// What each way to the map reached.
     pub gain: Option<NeuralGain>,
     /// Round-trip distance of the two networks.
     pub chamfer: Option<f64>,
@@ -135,7 +135,7 @@ fn tell_parts(found: &Found, solvers: &Solvers, mapped: &[Mapped], run: &Run) {
     }
 }
 
-/// One chart's arms, and the best of them.
+/// One chart by each way to its map, and the best of them.
 fn polish(
     chart: Chart,
     net: Option<TrainedChart>,
@@ -154,31 +154,31 @@ fn polish(
         return Ok(Mapped { uv, isometric_start, ..Mapped::from_cut(chart) });
     }
     let energy = |uv: &UvMap| flatten::quality(disk, uv).mean;
-    // The control starts from the better of the start and the map of the cut.
+    // The baseline starts from the better of the start and the map of the cut.
     let from = match energy(&chart.start) <= energy(&chart.cut_map) {
         true => &chart.start,
         false => &chart.cut_map,
     };
-    let control = descend(disk, from, run)?;
-    let mut arms = vec![(energy(&control), ChartForm::Start, control)];
+    let baseline = descend(disk, from, run)?;
+    let mut ways = vec![(energy(&baseline), ChartForm::Start, baseline)];
     let mut gain =
-        NeuralGain { start: Some(start.mean), start_polish: Some(arms[0].0), ..Default::default() };
+        NeuralGain { start: Some(start.mean), start_polish: Some(ways[0].0), ..Default::default() };
     let (mut steps, mut chamfer) = (0, None);
     if let Some(net) = net {
         (steps, chamfer) = (net.steps, net.chamfer);
         gain.net = Some(energy(&net.uv));
-        // A network that found nothing better than its start has no arm of its own.
+        // A network that found nothing better than its start offers no map of its own.
         if net.improved {
             let polished = descend(disk, &net.uv, run)?;
             let reached = energy(&polished);
             gain.net_polish = Some(reached);
-            gain.gain = Some((arms[0].0 - reached) / arms[0].0);
-            arms.push((reached + MARGIN, ChartForm::Trained, polished));
+            gain.gain = Some((ways[0].0 - reached) / ways[0].0);
+            ways.push((reached + MARGIN, ChartForm::Trained, polished));
         }
     }
-    arms.push((f64::INFINITY, ChartForm::Start, chart.cut_map.clone()));
-    arms.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let best = arms.into_iter().find(|arm| proved(&arm.2));
+    ways.push((f64::INFINITY, ChartForm::Start, chart.cut_map.clone()));
+    ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let best = ways.into_iter().find(|way| proved(&way.2));
     let gain = (steps > 0).then_some(gain);
     let mapped = Mapped::from_cut(chart);
     Ok(match best {
@@ -289,27 +289,27 @@ mod tests {
         let m = polished(&far, Some(net(&far, good.start.clone(), true)));
         assert_eq!((m.form, m.steps, m.chamfer), (ChartForm::Trained, 9, Some(0.125)));
         let gain = m.gain.unwrap();
-        let [start, control, raw, best] =
+        let [start, baseline, raw, best] =
             [gain.start, gain.start_polish, gain.net, gain.net_polish].map(Option::unwrap);
         assert_eq!(start, flatten::quality(&far.disk, &far.start).mean);
         assert_eq!(raw, flatten::quality(&far.disk, &good.start).mean);
         assert_eq!(best, energy(&m));
-        assert!(start > control && control > best + MARGIN && raw > best, "{gain:?}");
-        assert_eq!(gain.gain, Some((control - best) / control));
+        assert!(start > baseline && baseline > best + MARGIN && raw > best, "{gain:?}");
+        assert_eq!(gain.gain, Some((baseline - best) / baseline));
     }
 
     #[test]
-    fn a_network_that_is_as_good_as_the_control_does_not_ship() {
+    fn a_network_that_is_as_good_as_the_baseline_does_not_ship() {
         let chart = bump();
-        let control = polished(&chart, None);
+        let baseline = polished(&chart, None);
         // As good, and better by next to nothing.
-        for (uv, most) in [(&chart.start, 0.0), (&control.uv, MARGIN)] {
+        for (uv, most) in [(&chart.start, 0.0), (&baseline.uv, MARGIN)] {
             let m = polished(&chart, Some(net(&chart, uv.clone(), true)));
-            assert_eq!((m.form, &m.uv), (ChartForm::Start, &control.uv));
+            assert_eq!((m.form, &m.uv), (ChartForm::Start, &baseline.uv));
             let gain = m.gain.unwrap().gain.unwrap();
             assert!((0.0..=most).contains(&gain) && (gain > 0.0) == (most > 0.0), "{gain}");
         }
-        // One that found nothing has no arm: what it reached is told, and no more.
+        // One that found nothing offers no map: what it reached is told, and no more.
         let m = polished(&chart, Some(net(&chart, chart.start.clone(), false)));
         let gain = m.gain.unwrap();
         assert!(gain.net.is_some() && gain.net_polish.is_none() && gain.gain.is_none());

@@ -1,4 +1,4 @@
-//! Which charts are trained, and what their networks are told (pipeline 5).
+//! Which charts are trained, and what their networks are told (docs/method.md, section 5).
 //!
 //! Training takes at most [`SHARE`] of a job's expected time. That time is counted from the work
 //! (faces), never from the clock, so that the same input gives the same result.

@@ -21,7 +21,7 @@ pub struct Found {
     pub parts: PartLabels,
     /// SHA-256 of the network's weights, where it was asked for the parts.
     pub weights: Option<String>,
-    /// For each face the face whose UVs it carries (itself but for shared sheets).
+    /// For each face the face whose UVs it carries (itself, but for a sheet that shares those of the other).
     pub sources: Vec<u32>,
     /// Texel density of each part relative to the others.
     pub densities: Vec<f64>,

@@ -1,5 +1,6 @@
-//! Regions: what charts may not cross. A part is a region; where each material has an atlas, part and
-//! material are. A speck that was only guessed to be a part may be joined to its neighbour's charts.
+//! What charts may not cross (`Regions`; those of `segmentation` are others): the border of a part and,
+//! where each material has an atlas, that of a material. A speck that only the network or the geometry
+//! calls a part joins its neighbour's charts.
 
 use std::collections::BTreeMap;
 
@@ -55,8 +56,8 @@ pub fn divide(found: &Found, atlas: AtlasGrouping) -> Regions {
     Regions { of_face: divided.of_face.iter().map(joined).collect(), ..divided }
 }
 
-/// The specks that nobody but the geometry calls parts, each with the neighbour of the longest common
-/// border, on the same page and of the same density, whose charts it joins.
+/// The specks that only the network or the geometry calls parts, each with the neighbour of the longest
+/// common border, in the same atlas and of the same density, whose charts it joins.
 fn absorbed_specks(found: &Found, regions: &Regions) -> BTreeMap<u32, u32> {
     let surface = &found.surface;
     let mut area = vec![0.0; regions.part.len()];

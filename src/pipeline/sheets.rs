@@ -1,5 +1,5 @@
-//! `double_sided = share`: of two sheets of faces at the same place only one is unwrapped; the
-//! other carries the same UVs.
+//! `double_sided = share`: of two sheets, which lie on each other, only one is unwrapped; the other carries
+//! the same UVs.
 
 use crate::mesh::{NONE, Surface};
 
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_that_is_its_own_mate_is_unwrapped_as_a_whole() {
+    fn a_component_that_is_its_own_mate_is_unwrapped_as_a_whole() {
         // Two faces back to back whose edges hang together are one component.
         let mut s = surface("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\n");
         assert_eq!(s.sheet_mate, [1, 0]);

@@ -28,7 +28,7 @@ pub(super) struct Visible {
 
 impl Visible {
     /// Draws the faces that can be seen. Of two sheets at one place only the one that faces the eye
-    /// is drawn; single sheets are seen from both sides.
+    /// is drawn; a face without a mate is seen from both sides.
     pub(super) fn new(
         surface: &Surface,
         camera: &Camera,

@@ -10,8 +10,8 @@ use crate::sampling::PointCloud;
 /// A primitive is a thing of its own, most likely.
 const PRIMITIVE: f64 = 0.9;
 
-/// A connected component may be: authored furniture often is one board a component, but a closed
-/// body is one component whatever it is made of.
+/// A connected component may be: authored furniture often is one board a component, but what was scanned
+/// or fused is one component whatever it is made of.
 const COMPONENT: f64 = 0.6;
 
 /// The author's structure.

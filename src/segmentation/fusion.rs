@@ -1,6 +1,7 @@
-//! All that is known, together: regions agglomerated by the judge (`regions`), cut where a part is more
-//! likely to end than not. For each part it is told which kind of evidence decided: the one without
-//! which its borders would be doubted most.
+//! From regions to parts, with all evidence that is to be heard: regions are agglomerated while the
+//! probability that a part ends between them is at most a cut (0.55 by default), and the faces near the
+//! borders are left to the graph cut. For each part it is told which kind of evidence decided: the one
+//! without which its borders would be doubted most.
 
 use super::near_borders::near_borders;
 use super::point_mae::NAMES;
@@ -11,22 +12,23 @@ use crate::contract::{Canceled, Run, SegmentationSource};
 use crate::mesh::{NONE, Surface};
 
 /// Regions are joined up to this probability that a part ends between them, unless another cut is asked
-/// for. Of 0.3, 0.4, 0.5 and 0.6, measured on half of the labelled objects, 0.5 gave the best overlap and 0.6
-/// the best Rand index of articulated ones.
+/// for. It lies between 0.5, which of 0.3, 0.4, 0.5 and 0.6 gave the best overlap on half of the labelled
+/// objects, and 0.6, which gave the best Rand index of articulated ones.
 pub const CUT: f64 = 0.55;
 
-/// Widths of a patch within which a border may move.
+/// Widths of an initial region within which a border may move.
 const REACH: f64 = 1.2;
 
 /// A name is given from this share of votes on.
 const NAMED: f64 = 0.5;
 
-/// Parts of a surface in the opinion of a judge, who hears only what is to be heard: regions are joined as
-/// long as the probability that a part ends between them is at most `cut`.
+/// Parts of a surface in the opinion of the boundary classifier or the rule, told only of the evidence that
+/// is to be heard: regions are joined as long as the probability that a part ends between them is at most
+/// `cut`.
 pub fn fuse(
     seen: &Outside,
     evidence: &Evidence,
-    judge: &dyn Opinion,
+    opinion: &dyn Opinion,
     heard: Heard,
     cut: f64,
     run: &Run,
@@ -34,9 +36,9 @@ pub fn fuse(
     let (surface, cloud) = (&*seen.surface, &*seen.cloud);
     let Prepared { patch, mut graph, contacts } =
         super::regions::prepare(surface, cloud, evidence, None, run)?;
-    let boundary = |x: &_| judge.boundary(x, heard);
+    let boundary = |x: &_| opinion.boundary(x, heard);
     let mut tree = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
-    // A judgement changes as regions get fewer: until none is left that would be joined.
+    // Probabilities change as regions get fewer: until none is left that would be joined.
     loop {
         let more = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
         if more.joins.is_empty() {
@@ -47,32 +49,32 @@ pub fn fuse(
     let of_patch = tree.cut(cut);
     let label: Vec<i32> =
         patch.iter().map(|&p| if p == NONE { -1 } else { of_patch[p as usize] as i32 }).collect();
-    // The region that is left of each part stands at one of its patches.
+    // The region that is left of each part stands at one of its initial regions.
     let count = of_patch.iter().max().map_or(0, |m| *m as usize + 1);
     let mut stands = vec![0u32; count];
     for (p, &part) in (0u32..).zip(&of_patch).filter(|(p, _)| graph.region(*p).is_some()) {
         stands[part as usize] = p;
     }
-    // Patches have ragged rims: about as far as one reaches, the line may be drawn anew, the more freely
-    // the nearer. Between shells the file has drawn it already.
+    // Initial regions have ragged rims: about as far as one reaches, the line may be drawn anew, the more
+    // freely the nearer. Between file components (`shell`) the file has drawn it already.
     let usable = surface.usable.iter().filter(|u| **u).count();
     let faces_of_patch = usable as f64 / of_patch.len().max(1) as f64;
     let rings = (REACH * faces_of_patch.sqrt()).round().clamp(2.0, 8.0) as u8;
-    let shell = |h: u32| surface.origins[h as usize / 3].shell;
-    let same_shell = |h: u32| shell(h) == shell(surface.twin[h as usize]);
-    let ring = near_borders(surface, &label, rings, same_shell);
+    let file_component = |h: u32| surface.origins[h as usize / 3].shell;
+    let same = |h: u32| file_component(h) == file_component(surface.twin[h as usize]);
+    let ring = near_borders(surface, &label, rings, same);
     let fixed = label.iter().zip(&ring).map(|(&l, &r)| if r > 0 { -1 } else { l }).collect();
     let vote = |&f: &u32| if ring[f as usize] > 0 { label[f as usize] } else { -1 };
     let votes = cloud.faces.iter().map(vote).collect();
     let weight = |&f: &u32| f32::from(ring[f as usize]) / f32::from(rings);
     let weights = cloud.faces.iter().map(weight).collect();
     let candidate = |&p: &u32| {
-        let found = candidate(&graph, p, judge, heard);
+        let found = candidate(&graph, p, opinion, heard);
         let name = given_name(surface, &graph, p).unwrap_or(found.name);
         Candidate { name, ..found }
     };
     let candidates = stands.iter().map(candidate).collect();
-    // What would be joined next, up to one part a body or group of touching bodies.
+    // What would be joined next, up to one part for each group of welded components that touch.
     let above = agglomerate(&mut graph, &boundary, f64::INFINITY, run, |_, _, _, _| true)?;
     let part = |patch: u32| of_patch[patch as usize];
     let joins = above.joins.iter().map(|j| (part(j.keep), part(j.gone), j.boundary)).collect();
@@ -91,7 +93,7 @@ fn given_name(surface: &Surface, graph: &RegionGraph, p: u32) -> Option<String> 
 }
 
 /// Name, source and confidence of the part whose region stands at `p`.
-fn candidate(graph: &RegionGraph, p: u32, judge: &dyn Opinion, heard: Heard) -> Candidate {
+fn candidate(graph: &RegionGraph, p: u32, opinion: &dyn Opinion, heard: Heard) -> Candidate {
     let part = match heard {
         Heard { authored: true, .. } => SegmentationSource::Authored,
         Heard { learned: true, .. } => SegmentationSource::Learned,
@@ -113,11 +115,11 @@ fn candidate(graph: &RegionGraph, p: u32, judge: &dyn Opinion, heard: Heard) -> 
     for (&n, border) in &graph.borders[p as usize] {
         let Some(other) = graph.region(n) else { continue };
         let x = features::features(graph, region, other, border);
-        let all = judge.boundary(&x, heard);
+        let all = opinion.boundary(&x, heard);
         sure += border.length * all;
         length += border.length;
         for (missed, (_, _, deaf)) in missed.iter_mut().zip(&without) {
-            *missed += border.length * (all - judge.boundary(&x, *deaf));
+            *missed += border.length * (all - opinion.boundary(&x, *deaf));
         }
     }
     // A part that touches nothing is what the file says it is.

@@ -1,5 +1,6 @@
-//! What the geometry says, without any weights: patches agglomerated by a rule over thickness (shape
-//! diameter), concavity (minima rule) and how well planes, cylinders and cones fit (`regions::rule`).
+//! What the geometry says, without any weights: regions agglomerated by the rule (`regions::rule`), which
+//! weighs contact, concave and convex edges (minima rule), shape diameter, how well planes, cylinders and
+//! cones fit, how the boxes about both overlap, and size.
 
 use super::fusion::fuse;
 use super::regions::{Heard, Rule, gather};

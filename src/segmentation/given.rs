@@ -40,7 +40,7 @@ impl Segmenter for Given {
         }
         let candidates = candidates.into_iter().flatten().collect();
         let number = |f: usize| numbers.get(&given[f]).copied();
-        // A face of unknown label takes that of the sheet behind it.
+        // A face of unknown label takes that of its mate.
         let behind = |f: usize| {
             let mate = surface.sheet_mate[f];
             if mate == NONE { None } else { number(mate as usize) }

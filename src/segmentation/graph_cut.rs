@@ -30,7 +30,7 @@ const UNKNOWN: i32 = -1;
 const OUTSIDE: u32 = u32::MAX;
 
 /// Label of each face: an index into the candidates; −1 for faces that are not usable and for
-/// pieces of which the source says nothing.
+/// connected components of which the source says nothing.
 pub fn decide(
     surface: &Surface,
     cloud: &PointCloud,

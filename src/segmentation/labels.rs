@@ -1,4 +1,4 @@
-//! The outcome: one part a face. Connected pieces of one label are separate parts.
+//! The outcome: one part a face. Connected components of one label are separate parts.
 
 use std::collections::BTreeMap;
 
@@ -46,8 +46,8 @@ impl PartLabels {
     }
 }
 
-/// Number the connected pieces of each label. Faces are connected over shared edges and the scores'
-/// bridges; the two faces of a double-sided sheet are one place and so one piece.
+/// Number the connected components of each label. Faces are connected over shared edges and the scores'
+/// bridges; a face and its mate are one place, and so in one component.
 pub fn connected_parts(
     surface: &Surface,
     dual: &DualGraph,
@@ -181,7 +181,7 @@ mod tests {
             ..Default::default()
         };
         assert_eq!(joins(&scores, &[0, 1, 2]), [join(0, 1, 0.6), join(0, 2, 0.7)]);
-        // Candidate 0 has no part; a piece of candidate 2 stands twice.
+        // Candidate 0 has no part; a component of candidate 2 stands twice.
         assert_eq!(joins(&scores, &[1, 2, 2]), [join(0, 1, 0.7)]);
     }
 }

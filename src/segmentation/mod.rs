@@ -1,6 +1,6 @@
 //! Which faces are one part (paper 2.2.1). Every source is a [`Segmenter`] that scores parts; faces
-//! get their part by an area-weighted vote and a graph cut, and connected pieces of one label are
-//! separate parts.
+//! get their part by an area-weighted vote and a graph cut, and connected components of one label
+//! are separate parts.
 
 pub mod agreement;
 mod authored;
@@ -108,7 +108,7 @@ pub fn segment(
     settle(surface, cloud, &scores, run)
 }
 
-/// From what a source says to parts: votes, graph cut, connected pieces.
+/// From what a source says to parts: votes, graph cut, connected components.
 pub fn settle(
     surface: &Surface,
     cloud: &PointCloud,

@@ -1,4 +1,4 @@
-//! A network ready to be asked: model, sizes, judge, and where it runs.
+//! A network ready to be asked: model, sizes, boundary classifier, and where it runs.
 
 use super::error::SegmentationError;
 use super::point_mae::{Loaded, ModelSize, PointMae, PointMaeConfig, load};
@@ -12,7 +12,7 @@ pub struct Network {
     pub model: PointMae,
     /// Its sizes.
     pub config: PointMaeConfig,
-    /// Its judge of pairs of regions.
+    /// Its boundary classifier.
     pub judge: Judge,
     /// Where it runs.
     pub device: Device,
@@ -21,8 +21,7 @@ pub struct Network {
 impl Network {
     /// A network of these weights.
     pub fn new(model: PointMae, config: PointMaeConfig, device: &Device) -> Self {
-        let judge = Judge::new(&model.pairs);
-        Self { model, config, judge, device: device.clone() }
+        Self { judge: Judge::new(&model.pairs), model, config, device: device.clone() }
     }
 
     /// The weights of a file.

@@ -5,7 +5,7 @@ use crate::contract::SegmentationSource;
 /// A part that a source proposes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Its name; pieces of one candidate are numbered.
+    /// Its name; connected components of one candidate are numbered.
     pub name: String,
     /// Who proposes it.
     pub source: SegmentationSource,
@@ -25,7 +25,8 @@ pub struct PartScores {
     pub votes: Vec<i32>,
     /// Weight of each point's vote, 0 to 1. Length: as `votes`.
     pub weights: Vec<f32>,
-    /// Pairs of faces of bodies that touch and are of one part: such a part is not connected by edges.
+    /// Pairs of faces of welded components that touch and are of one part: such a part is not connected by
+    /// edges.
     pub bridges: Vec<(u32, u32)>,
     /// Candidates that would be joined next, in order, each pair with the probability that a part ends
     /// between them: the hierarchy above these parts.

@@ -1,5 +1,5 @@
-//! Double-sided faces: of the two sheets of a body only the outer one is looked at, since on the inner
-//! one every ridge is a valley, normals point inwards, and the other side of a wall is never met.
+//! Double-sided objects: of the two sheets only the outer one is looked at, since on the inner one every
+//! convex edge is concave, normals point inwards, and the other side of a wall is never met.
 
 use std::borrow::Cow;
 
@@ -71,7 +71,7 @@ impl<'a> Outside<'a> {
 }
 
 /// For each face, whether it lies on an inner sheet: every face of it has its mate on one other sheet that
-/// encloses more (signed volume), or as much and comes first. A face that two bodies share so stays.
+/// encloses more (signed volume), or as much and comes first. A face that two components share so stays.
 fn inner(surface: &Surface) -> Vec<bool> {
     let faces = surface.face_count();
     let mut sheet = vec![NONE; faces];
@@ -129,7 +129,7 @@ mod tests {
     use crate::sampling::{SampleCounts, sample};
 
     #[test]
-    fn a_face_that_two_bodies_share_stays() {
+    fn a_face_that_two_components_share_stays() {
         let cube = |name: &str, z: i32| {
             let mut text = format!("o {name}\n");
             for (x, y, up) in [

@@ -112,7 +112,7 @@ fn assert_sound(s: &Surface, found: &PartLabels) {
     assert_eq!(assert_numbered(s, found), found.parts.len());
 }
 
-/// The same of parts that may be several bodies that touch; returns how many pieces there are.
+/// The same of parts that may be several components that touch; returns how many components there are.
 fn assert_numbered(s: &Surface, found: &PartLabels) -> usize {
     assert_eq!(found.labels.len(), s.face_count());
     let mut seen = 0;
@@ -127,12 +127,12 @@ fn assert_numbered(s: &Surface, found: &PartLabels) -> usize {
     let names: BTreeSet<_> = found.parts.iter().map(|p| &p.name).collect();
     assert_eq!(names.len(), found.parts.len(), "{:?}", found.parts);
     let mut reached = vec![false; s.face_count()];
-    let mut pieces = 0;
+    let mut components = 0;
     for seed in 0..s.face_count() {
         if !s.usable[seed] || reached[seed] {
             continue;
         }
-        pieces += 1;
+        components += 1;
         let mut stack = vec![seed];
         reached[seed] = true;
         while let Some(f) = stack.pop() {
@@ -146,11 +146,11 @@ fn assert_numbered(s: &Surface, found: &PartLabels) -> usize {
             }
         }
     }
-    pieces
+    components
 }
 
 #[test]
-fn two_blocks_in_one_body_come_apart_in_the_valley() {
+fn two_blocks_in_one_component_come_apart_in_the_valley() {
     let s = joined();
     let found = parts_of(&s, SegmentationSource::Geometric);
     assert_sound(&s, &found);
@@ -258,7 +258,7 @@ fn unknown_labels_are_filled_in_and_known_ones_kept() {
 }
 
 #[test]
-fn a_piece_without_labels_is_a_part_that_says_so() {
+fn a_component_without_labels_is_a_part_that_says_so() {
     let box_at = |x: i32| voxels(&block([x, 0, 0], [x + 2, 2, 2]));
     let mut s = surface(&[box_at(0), box_at(9)]);
     let half = s.face_count() / 2;
@@ -270,7 +270,7 @@ fn a_piece_without_labels_is_a_part_that_says_so() {
 }
 
 #[test]
-fn pieces_of_one_label_are_separate_parts() {
+fn components_of_one_label_are_separate_parts() {
     let box_at = |x: i32| voxels(&block([x, 0, 0], [x + 2, 2, 2]));
     let mut s = surface(&[box_at(0), box_at(9)]);
     s.labels = Some(vec![3; s.face_count()]);
@@ -281,7 +281,7 @@ fn pieces_of_one_label_are_separate_parts() {
 }
 
 #[test]
-fn both_sheets_of_a_double_sided_body_get_the_same_parts() {
+fn both_sheets_of_a_double_sided_object_get_the_same_parts() {
     let one = joined();
     let n = one.face_count();
     let back: Vec<[u32; 3]> = one.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();

@@ -1,5 +1,5 @@
 //! The shape diameter function (Shapira, Shamir and Cohen-Or 2008, doi:10.1007/s00371-007-0197-5): how
-//! far it is through the body to its other side, from rays in a cone about the inward normal.
+//! far it is through the object to its other side, from rays in a cone about the inward normal.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ pub fn thickness(surface: &Surface, rays: &Rays, points: &[DVec3], faces: &[u32]
     let at = |(&point, &face): (&DVec3, &u32)| {
         let normal = surface.normals[face as usize];
         let origin = point - normal * (1e-5 * surface.diagonal);
-        // What faces the ray is no other side but a new body.
+        // What faces the ray is no other side but the front of another component.
         let length = |d: DVec3| {
             let hit = rays.closest_hit(origin, d, reach, face)?;
             (surface.normals[hit.face as usize].dot(d) > 0.0).then_some(hit.distance)

@@ -1,5 +1,5 @@
-//! Fitting the judge to pairs of regions: a committee of small networks, each of which sees the objects in
-//! shares of its own (bagging, Breiman 1996, doi:10.1007/BF00058655), and whose logits are averaged. One
+//! Fitting the boundary classifier to pairs of regions: a committee of small networks, each of which sees
+//! the objects in shares of its own (bagging, Breiman 1996, doi:10.1007/BF00058655), and whose logits are averaged. One
 //! network alone learns the procedural objects' own ways: trained twice, it scored up to 0.1 apart.
 
 use burn::module::Module;
@@ -32,16 +32,16 @@ const RATE: f64 = 3e-3;
 const DEAF: f64 = 0.12;
 
 /// How often the network's evidence is that of another pair: on what it has not seen it errs, and the
-/// judge, who meets it on what it was trained on, is not to believe it blindly.
+/// classifier, which meets it on what it was trained on, is not to believe it blindly.
 const CONFUSED: f64 = 0.03;
 
-/// How often a single number is withheld: no judgement is to hang on one.
+/// How often a single number is withheld: no answer is to hang on one.
 const DROPPED: f64 = 0.1;
 
 /// An object is seen up to so many times as often as it comes; in the mean once.
 const MOST_SHARES: f64 = 2.0;
 
-/// A pair that was judged.
+/// A pair of regions of which the truth is known.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
     /// What speaks for and against a boundary.

@@ -119,7 +119,7 @@ pub fn load_meshes(
         }
         DataSet::PartNetPoints(_) | DataSet::ShapeNetPart(_) => Err(folder::error(
             folder,
-            "has points and no surfaces: the judge of joins learns from meshes",
+            "has points and no surfaces: the boundary classifier learns from meshes",
         )),
     };
     let mut meshes = meshes?;

@@ -1,7 +1,7 @@
-//! Learning to judge pairs of regions (`segmentation::regions`): objects whose parts are known are
-//! agglomerated with the judge as it stands; every pair it would join is an example, and where the
+//! Learning the boundary classifier (`segmentation::regions`): objects whose parts are known are
+//! agglomerated with the classifier as it stands; every pair it would join is an example, and where the
 //! truth says no, it is not joined (Nunez-Iglesias et al. 2013, doi:10.1371/journal.pone.0071715, "active
-//! learning" of agglomeration). After each round a judge is trained on all rounds' examples (`committee`).
+//! learning" of agglomeration). After each round one is trained on all rounds' examples (`committee`).
 
 use std::collections::HashMap;
 
@@ -25,7 +25,7 @@ use crate::segmentation::sheets::Outside;
 /// Rounds of agglomeration and training.
 const ROUNDS: usize = 3;
 
-/// How far the judge goes astray while it learns: up to this probability that a part ends.
+/// How far the classifier goes astray while it learns: up to this probability that a part ends.
 const ASTRAY: f64 = 0.5;
 
 /// A refused pair is an example again when the smaller region has grown so much.
@@ -56,7 +56,7 @@ pub fn know(
     meshes.into_par_iter().map(one).collect()
 }
 
-/// Train a judge on these objects; `watch` is told each round's pairs and loss.
+/// Train a boundary classifier on these objects; `watch` is told each round's pairs and loss.
 pub fn train_joins(
     known: &[Known],
     seed: u64,
@@ -67,9 +67,10 @@ pub fn train_joins(
     let mut pairs: Vec<Pair> = Vec::new();
     let mut head = None;
     for round in 0..ROUNDS {
-        let judge = head.as_ref().map(Judge::new);
-        for astray in [false, true].into_iter().filter(|a| !a || judge.is_some()) {
-            let of = |(i, k): (usize, &Known)| judged(k, i as u32, judge.as_ref(), astray, run);
+        let classifier = head.as_ref().map(Judge::new);
+        for astray in [false, true].into_iter().filter(|a| !a || classifier.is_some()) {
+            let of =
+                |(i, k): (usize, &Known)| examples(k, i as u32, classifier.as_ref(), astray, run);
             let found: Result<Vec<Vec<Pair>>, Canceled> =
                 known.par_iter().enumerate().map(of).collect();
             pairs.extend(found?.into_iter().flatten());
@@ -82,11 +83,11 @@ pub fn train_joins(
 }
 
 /// The pairs that are met when an object is agglomerated without a wrong join; or, `astray`, with those
-/// that the judge makes, up to where it would stop and once around what is left.
-fn judged(
+/// that the classifier makes, up to where it would stop and once around what is left.
+fn examples(
     known: &Known,
     object: u32,
-    judge: Option<&Judge>,
+    classifier: Option<&Judge>,
     astray: bool,
     run: &Run,
 ) -> Result<Vec<Pair>, Canceled> {
@@ -98,13 +99,14 @@ fn judged(
     // A pair that was refused comes up again whenever one of the two grows; it counts again once the
     // smaller has grown by half.
     let mut refused: HashMap<(u32, u32), f64> = HashMap::new();
-    // Before there is a judge: steps of the embedding, bays, solids, and small borders last.
+    // Before there is a classifier: steps of the embedding, concave regions, authored components, and small
+    // regions first.
     let first = |x: &[f32; FEATURES]| {
         let speaks = [at::APART, at::STEP, at::BAY, at::ACROSS_SOLIDS].map(|i| x[i]);
         f64::from(speaks.iter().sum::<f32>()) + 0.1 * f64::from(x[at::SMALL])
     };
-    let boundary = |x: &[f32; FEATURES]| match judge {
-        Some(judge) => judge.boundary(x, Heard::ALL),
+    let boundary = |x: &[f32; FEATURES]| match classifier {
+        Some(classifier) => classifier.boundary(x, Heard::ALL),
         None => first(x),
     };
     let until = if astray { ASTRAY } else { f64::INFINITY };

@@ -1,6 +1,6 @@
 //! Training of the segmentation network: examples from procedural objects (`procedural`) and from data sets
 //! (`data_sets`); pre-training without labels and fine-tuning with them (`trainer`),
-//! resumable, with loss curves; the judge of joins (`joins`), from labelled meshes (`labelled`).
+//! resumable, with loss curves; the boundary classifier (`joins`), from labelled meshes (`labelled`).
 
 mod augment;
 mod checkpoint;

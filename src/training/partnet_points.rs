@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | instances | `pts` N × P × 3, `label` N × P; `X.json` beside `X.h5` | the leaves |
 //! | for detection | `pts`, `gt_mask` N × K × P, `gt_valid` N × K | the masks |
-//! | semantic | `data` N × P × 3, `label_seg` N × P | pieces of each label |
+//! | semantic | `data` N × P × 3, `label_seg` N × P | components of each label |
 //!
 //! Files lie in folders named after the category, such as `Chair` or `Chair-3`.
 

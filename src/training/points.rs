@@ -58,7 +58,7 @@ impl LabelledPoints {
         Example::of_cloud(&cloud, &labels, through, run).map_err(|e| error(path, e))
     }
 
-    /// Divide labels that tell only the kind of a part into its pieces.
+    /// Divide labels that tell only the kind of a part into their connected components.
     pub fn divided(mut self) -> Self {
         self.parts = pieces(&self.positions, &self.parts);
         self
@@ -92,7 +92,7 @@ fn normals(positions: &[DVec3]) -> Vec<DVec3> {
     neighbours(&at, PLANE).par_iter().map(normal).collect()
 }
 
-/// Connected pieces of each label, numbered in order of first point; −1 stays.
+/// Connected components of each label, numbered in order of first point; −1 stays.
 fn pieces(positions: &[DVec3], labels: &[i32]) -> Vec<i32> {
     let at: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     let near = neighbours(&at, 16);

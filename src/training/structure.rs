@@ -1,5 +1,5 @@
 //! How an object may stand in a file: what is known to belong together there says much in one file
-//! and nothing in another, and the judge is to see every kind.
+//! and nothing in another, and the boundary classifier is to see every kind.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::synth::SynthObject;
 pub enum Structure {
     /// A node for each part.
     Nodes,
-    /// One primitive; solids share no vertices.
+    /// One primitive; parts share no vertices: each is a file component.
     Solids,
     /// One primitive; vertices are split at hard edges.
     Smooth,
@@ -108,26 +108,26 @@ mod tests {
     use crate::synth::{SynthKind, SynthStyle, SynthVariant, make};
 
     #[test]
-    fn each_structure_has_its_shells_and_the_same_faces() {
+    fn each_structure_has_its_file_components_and_the_same_faces() {
         let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
         let object = make(SynthKind::Table, 1, style);
-        let shells = |structure| {
+        let count = |structure| {
             let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
             assert_eq!(surface.face_count(), object.triangle_count());
-            let mut shells: Vec<u32> = surface.origins.iter().map(|o| o.shell).collect();
-            shells.sort_unstable();
-            shells.dedup();
-            shells.len()
+            let mut components: Vec<u32> = surface.origins.iter().map(|o| o.shell).collect();
+            components.sort_unstable();
+            components.dedup();
+            components.len()
         };
         let parts = object.parts.len();
-        assert_eq!(shells(Structure::Nodes), parts);
-        assert_eq!(shells(Structure::Solids), parts);
-        assert!(shells(Structure::Smooth) > parts);
-        assert_eq!(shells(Structure::Soup), object.triangle_count());
+        assert_eq!(count(Structure::Nodes), parts);
+        assert_eq!(count(Structure::Solids), parts);
+        assert!(count(Structure::Smooth) > parts);
+        assert_eq!(count(Structure::Soup), object.triangle_count());
     }
 
     #[test]
-    fn shells_are_solids_unless_vertices_are_split_at_hard_edges() {
+    fn file_components_are_the_authored_ones_unless_vertices_are_split_at_hard_edges() {
         let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
         let object = make(SynthKind::Table, 1, style);
         for structure in Structure::ALL {

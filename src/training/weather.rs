@@ -1,5 +1,5 @@
 //! What scanning, sculpting and remeshing do to a body: edges and valleys are rounded, the surface is
-//! rough, triangles are small. Judges that have only seen clean unions look for sharp valleys.
+//! rough, triangles are small. A classifier that has only seen clean unions looks for sharp valleys.
 
 use std::collections::HashMap;
 

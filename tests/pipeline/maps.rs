@@ -21,19 +21,19 @@ fn training_runs_on_doubly_curved_charts_and_says_what_it_gained() {
     assert!(trained.len() >= 4, "{} charts trained", trained.len());
     for chart in trained {
         let gain = chart.neural_gain.as_ref().unwrap();
-        let (start, control, net) =
+        let (start, baseline, net) =
             (gain.start.unwrap(), gain.start_polish.unwrap(), gain.net.unwrap());
-        assert!(control <= start + 1e-9, "{gain:?}");
+        assert!(baseline <= start + 1e-9, "{gain:?}");
         let best = match gain.net_polish {
             Some(polished) => {
                 assert!(net < start && polished <= net + 1e-9, "{gain:?}");
-                assert_eq!(gain.gain, Some((control - polished) / control));
-                control.min(polished)
+                assert_eq!(gain.gain, Some((baseline - polished) / baseline));
+                baseline.min(polished)
             }
-            None => control,
+            None => baseline,
         };
         // The network ships where it wins, and the map that ships is the better of the two.
-        let wins = gain.net_polish.is_some_and(|polished| polished + 1e-6 < control);
+        let wins = gain.net_polish.is_some_and(|polished| polished + 1e-6 < baseline);
         assert_eq!(chart.form == ChartForm::Trained, wins, "{gain:?}");
         let measured = chart.figures.symmetric_dirichlet_chart.unwrap();
         assert!((measured - best).abs() < 1e-5, "{measured} {gain:?}");
@@ -135,7 +135,7 @@ fn a_job_may_end_with_its_charts() {
 }
 
 #[test]
-fn seams_are_trained_in_each_piece_that_leaves_a_choice() {
+fn seams_are_trained_in_each_component_that_leaves_a_choice() {
     // A cube apart, and a square that leaves none.
     let text = format!("{CUBE}v 0 5 0\nv 1 5 0\nv 1 6 0\nv 0 6 0\nf 9 10 11 12\n");
     let options = UnwrapOptions {

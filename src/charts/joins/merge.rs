@@ -1,8 +1,8 @@
-//! Patches joined to charts: the weld of the joint seams (pipeline 5a.3). Seam is closed a path at a
-//! time, first where most is saved for the work it takes. A path is closed if the union stays within the
-//! distortion bound, is proved injective, and the objective J = ΣA·SD/ΣA + λ Σℓc/√ΣA falls. Two disks
-//! joined along one path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two
-//! sides lie side by side already is closed to a hole.
+//! Patches merged to charts (docs/method.md, 4.4). Seam is closed a path at a time, first where most is
+//! saved for the work it takes. A path is closed if the union stays within the distortion bound, is proved
+//! injective, and the objective Φ = ΣA(SD − 1)/ΣA + λ(Σℓc/√ΣA + 0.05 · charts) falls. Two disks joined
+//! along one path are a disk, and so is a disk whose border is zipped from a tip. A slit whose two sides
+//! lie side by side already is closed to a hole.
 //!
 //! A path that cannot be closed as a whole is tried again in two halves, parted where the surface is
 //! bent most (largest angle defect): two faces of a box meet along one straight edge, the cap of a

@@ -1,5 +1,5 @@
-//! The over-cut state of a part (pipeline 5a.1): its patches as one mesh that falls apart at every
-//! candidate seam, laid out along the tree of dearest seams. What a soft map of it leaves open says which
+//! A connected component of a part cut at every seam between patches (docs/method.md, 4.6): its patches as
+//! one mesh that falls apart at every candidate seam, laid out along the tree of dearest seams. What a soft map of it leaves open says which
 //! seams to keep.
 
 use std::collections::BinaryHeap;
@@ -20,7 +20,7 @@ use crate::contract::{Canceled, Run};
 use crate::flatten::{Disk, UvMap};
 use crate::mesh::{NONE, Surface};
 
-/// A piece of a part, over-cut.
+/// A connected component of a part, over-cut.
 pub struct OverCutPart {
     /// Its faces, ascending.
     pub faces: Vec<u32>,
@@ -47,7 +47,7 @@ pub struct Seam {
     pub cost: f64,
 }
 
-/// The pieces of all parts whose patches leave a choice, with at most `most` vertices.
+/// The components of all parts whose patches leave a choice, with at most `most` vertices.
 pub fn over_cut(
     surface: &Surface,
     part_of: &[u32],

@@ -1,5 +1,5 @@
-//! What a seam costs at an edge: seams belong where parts meet, where the surface bends and, above
-//! all, in concave creases, where materials change, and where they are hidden (pipeline: cut cost).
+//! What a seam costs at an edge: seams belong where the surface bends and, above all, in concave creases,
+//! where the file has seams already, and where they are hidden (docs/method.md, 4.1).
 
 use crate::charts::part_mesh::PartMesh;
 use crate::mesh::NONE;

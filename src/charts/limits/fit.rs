@@ -1,4 +1,4 @@
-//! Can this piece be flattened within the bound, and is the map injective? The question that every
+//! Can these faces be flattened within the bound, and is the map injective? The question that every
 //! patch and every merge is put to.
 
 use glam::DMat2;

@@ -60,7 +60,7 @@ pub fn visibility(surface: &Surface, run: &Run) -> Result<Option<Vec<f32>>, Canc
     Ok(Some(seen))
 }
 
-/// Whether each face belongs to a sheet that has a border and no sheet behind it.
+/// Whether each face belongs to a connected component that has a border where no mate lies behind it.
 fn on_open_sheets(surface: &Surface) -> Vec<bool> {
     let mut sheets = DisjointSets::new(surface.face_count());
     for (h, &t) in surface.twin.iter().enumerate().filter(|(_, t)| **t != NONE) {

@@ -1,8 +1,7 @@
-//! Seams moved: within a collar about the path between two charts the faces are dealt out anew, so that
-//! the seam costs least (length times cost), by one minimal cut; it comes to run straight, or along the
-//! nearest crease. The move of the joint seams (pipeline 5a.4) with the charts' own maps, sewn on, in
-//! place of a field. A move is kept if both charts stay injective and within the bound and the
-//! objective falls.
+//! Seams moved (docs/method.md, 4.5): within a band about the path between two charts (the collar) the
+//! faces are dealt out anew, so that the seam costs least (length times cost), by one minimum cut; it comes
+//! to run straight, or along the nearest crease. Faces that change sides are stitched to their new chart's
+//! map. A move is kept if both charts stay injective and within the bound and the objective falls.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -154,7 +153,7 @@ fn collar(work: &Patchwork, charts: [u32; 2], seam: &BTreeSet<u32>, width: f64) 
     distance.into_keys().collect()
 }
 
-/// The minimal cut through a collar; `None` where one of the charts has nothing outside of it.
+/// The minimum cut through a collar; `None` where one of the charts has nothing outside of it.
 fn cut(
     work: &Patchwork,
     [a, b]: [u32; 2],

@@ -28,7 +28,7 @@ use split::halves;
 /// first.
 pub type Patches = (Vec<u32>, Vec<bool>, Vec<(Piece, Fit)>);
 
-/// Flatten a part piece by piece.
+/// Flatten a part patch by patch.
 pub fn patches(
     mesh: &PartMesh,
     sides: &[Side],

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::charts::part_mesh::PartMesh;
 
-/// Divide connected local faces (at least two) into connected pieces, at least two of them, each
+/// Divide connected local faces (at least two) into connected sets, at least two of them, each
 /// ascending.
 pub fn halves(mesh: &PartMesh, faces: &[u32]) -> Vec<Vec<u32>> {
     let by_normals = sides(mesh, faces);

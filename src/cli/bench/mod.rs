@@ -27,8 +27,8 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Unwrap every mesh of a folder, next to the classical unwrapper on the same sheets; write one
-    /// JSON line an object and print the table.
+    /// Unwrap every mesh of a folder, next to the classical unwrapper on the same conditioned surface; write
+    /// one JSON line an object and print the table.
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),

@@ -23,13 +23,13 @@ const WIDENINGS: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
 
 /// What is done with each object.
 pub struct Arms<'a> {
-    /// The options of the main arm.
+    /// The options of the object's own result.
     pub options: &'a UnwrapOptions,
     /// What computes.
     pub engine: &'a Engine,
-    /// Only the main arm and the peer.
+    /// Only that result and the peer.
     pub single: bool,
-    /// The judge's command line.
+    /// The independent measure's command line.
     pub judge: Option<&'a str>,
     /// A folder for what is not kept.
     pub folder: &'a Path,
@@ -135,7 +135,7 @@ fn labels_beside(path: &Path) -> Option<PathBuf> {
     ["inst.txt", "labels.txt"].map(|e| path.with_extension(e)).into_iter().find(|p| p.exists())
 }
 
-/// What the judge says.
+/// What the independent measure says.
 fn ask(judge: &str, model: &Path, original: &Path, folder: &Path) -> Result<Value> {
     let mut words = judge.split_whitespace();
     let program = words.next().ok_or_else(|| anyhow!("--judge names no program"))?;
@@ -150,7 +150,7 @@ fn ask(judge: &str, model: &Path, original: &Path, folder: &Path) -> Result<Valu
         .output()
         .with_context(|| format!("cannot run {program}"))?;
     let text = std::fs::read(&said).map_err(|_| {
-        anyhow!("the judge wrote nothing: {}", String::from_utf8_lossy(&output.stderr))
+        anyhow!("the program of --judge wrote nothing: {}", String::from_utf8_lossy(&output.stderr))
     })?;
     Ok(serde_json::from_slice(&text)?)
 }

@@ -1,5 +1,5 @@
-//! The classical unwrapper as a peer: `uvunwrap` on the conditioned sheets, so that its shattering
-//! of double-sided faces flatters nobody, and on the welded mesh as it came.
+//! The classical unwrapper as a peer: `uvunwrap` on each connected component of the conditioned surface, so
+//! that its shattering of double-sided objects flatters nobody, and on the welded mesh as it came.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
@@ -13,7 +13,7 @@ use crate::metrics::places;
 /// and the charts on the raw mesh. `None` where it refuses the mesh.
 pub fn measure(surface: &Surface) -> Option<PeerFigures> {
     let begun = Instant::now();
-    let islands = on_sheets(surface)?;
+    let islands = on_components(surface)?;
     let seconds = begun.elapsed().as_secs_f64();
     let (usable, total) = (surface.usable.iter().filter(|u| **u).count(), surface.area());
     if usable == 0 {
@@ -36,9 +36,9 @@ pub fn measure(surface: &Surface) -> Option<PeerFigures> {
     })
 }
 
-/// The peer's islands, each connected sheet on its own: it welds by position, so that sheets that lie
-/// upon each other would be one to it.
-fn on_sheets(surface: &Surface) -> Option<Vec<Island>> {
+/// The peer's islands, each connected component on its own: it welds by position, so that sheets, which
+/// lie on each other, would be one to it.
+fn on_components(surface: &Surface) -> Option<Vec<Island>> {
     let (positions, triangles) = surface.sheets();
     let mut sets = DisjointSets::new(positions.len());
     for t in &triangles {
@@ -60,9 +60,9 @@ fn on_sheets(surface: &Surface) -> Option<Vec<Island>> {
             }
             number[v as usize]
         };
-        let sheet: Vec<[u32; 3]> =
+        let component: Vec<[u32; 3]> =
             faces.iter().map(|&f| triangles[f as usize].map(&mut local)).collect();
-        for mut island in flatten::classical_islands(&own, &sheet).ok()? {
+        for mut island in flatten::classical_islands(&own, &component).ok()? {
             island.faces.iter_mut().for_each(|f| *f = faces[*f as usize]);
             islands.push(island);
         }
@@ -71,7 +71,7 @@ fn on_sheets(surface: &Surface) -> Option<Vec<Island>> {
 }
 
 /// 3D length of the cuts, counted as our own are: an edge of k faces needs ⌈k/2⌉ different UV edges, and
-/// each further one is a cut. So the rim of a double-sided sheet, where its two sides meet, is one for both.
+/// each further one is a cut. So the rim of a double-sided object, where its two sheets meet, is one for both.
 fn seam_length(surface: &Surface, islands: &[Island]) -> f64 {
     let mut corner = vec![(NONE, [0; 2]); 3 * surface.face_count()];
     for (i, island) in (0u32..).zip(islands) {
@@ -144,7 +144,7 @@ mod tests {
     fn a_sheet_has_no_seam_and_two_upon_each_other_have_their_rim() {
         for (double, rim) in [(false, 0.0), (true, 4.0)] {
             let surface = quad(double);
-            let islands = on_sheets(&surface).unwrap();
+            let islands = on_components(&surface).unwrap();
             assert_eq!(islands.len(), 1 + usize::from(double));
             assert_eq!(seam_length(&surface, &islands), rim);
         }
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn triangles_apart_have_their_diagonal_for_a_seam() {
         let surface = quad(false);
-        let mut islands = on_sheets(&surface).unwrap();
+        let mut islands = on_components(&surface).unwrap();
         let mut second = islands[0].clone();
         second.disk.triangles = vec![second.disk.triangles[1]];
         second.faces = vec![second.faces[1]];

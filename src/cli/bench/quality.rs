@@ -34,11 +34,10 @@ pub struct Args {
     /// I/N: every N-th object, by file size, from the I-th on.
     #[arg(long, default_value_t)]
     pub shard: Shard,
-    /// Leave the arms out that unwrap an object again: at the peer's distortion, and along given
-    /// labels.
+    /// Do not unwrap an object again: at the peer's distortion, and along given labels.
     #[arg(long)]
     pub single: bool,
-    /// A program that judges the results, run as COMMAND MODEL.glb --original INPUT --json FILE;
+    /// An independent measure of the results, run as COMMAND MODEL.glb --original INPUT --json FILE;
     /// what it writes to FILE becomes `judge` in the object's line.
     #[arg(long)]
     pub judge: Option<String>,

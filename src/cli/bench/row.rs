@@ -40,7 +40,7 @@ pub struct Measured {
     pub along_labels: Option<ResultFigures>,
     /// The peer; `None` where it refuses the mesh.
     pub peer: Option<PeerFigures>,
-    /// What the judge said, in its own words.
+    /// What the independent measure said, in its own words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judge: Option<Value>,
 }

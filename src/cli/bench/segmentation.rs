@@ -63,7 +63,7 @@ const ARMS: [&str; 7] =
 /// Borders are compared within this share of the diagonal.
 const REACH: f64 = 0.01;
 
-/// Figures of one arm: means over the seeds.
+/// Figures of one way to find parts: means over the seeds.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 struct Figures {
     miou: f64,

@@ -93,9 +93,9 @@ type Figure = (&'static str, fn(&[&Measured]) -> String);
 const FIGURES: [Figure; 22] = [
     ("objects", |m| m.len().to_string()),
     ("valid", |m| count(m, |m| m.ours.valid)),
-    ("valid for the judge", |m| {
-        let judged: Vec<&Measured> = m.iter().copied().filter(|m| m.judge.is_some()).collect();
-        count(&judged, |m| {
+    ("valid by the independent measure", |m| {
+        let measured: Vec<&Measured> = m.iter().copied().filter(|m| m.judge.is_some()).collect();
+        count(&measured, |m| {
             m.judge.as_ref().is_some_and(|j| j["meshes"][0]["validity"]["valid"] == true)
         })
     }),
@@ -166,7 +166,7 @@ fn quantile(objects: &[&Measured], share: f64, of: impl Fn(&Measured) -> Option<
 }
 
 /// On how many objects we need fewer charts and shorter seams (or as few, where there is nothing to
-/// save: one chart a sheet) with no more distortion than the peer.
+/// save: one chart) with no more distortion than the peer.
 fn dominance(objects: &[&Measured]) -> String {
     let both: Vec<&Measured> =
         objects.iter().copied().filter(|m| m.matched.is_some() && m.peer.is_some()).collect();

@@ -1,5 +1,5 @@
 //! Boundary loss: seam openness. The paper weighs a boundary loss (2.3.8) that it does not define.
-//! An over-cut part has many candidate seams; the loss Σ ℓ_e c_e o_e / Σ ℓ_e c_e counts how open each is,
+//! A mesh that is cut at every candidate seam (`charts::over_cut`) has many; the loss Σ ℓ_e c_e o_e / Σ ℓ_e c_e counts how open each is,
 //! o_e = g_e² / (g_e² + δ²), g_e² = (‖u_i − u_i'‖² + ‖u_j − u_j'‖²) / (2 s² r²) over the two copies of
 //! e's ends. It closes what is dear and leaves open what is cheap: at label boundaries and creases, out
 //! of sight. δ must fall slowly from above the widest gap: fixed small, whatever is nearest closes.
@@ -21,22 +21,22 @@ pub struct CutEdge {
     pub sides: [[u32; 2]; 2],
     /// Its length in 3D.
     pub length: f64,
-    /// Its c_e, from [`seam_cost`].
+    /// Its c_e: what a unit of it costs as a seam (of joint seams, the cost of the charts' objective).
     pub cost: f64,
 }
 
-/// The candidate seams of an over-cut part.
+/// The candidate seams of a mesh that is cut at all of them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OverCut {
     /// The edges.
     pub edges: Vec<CutEdge>,
-    /// Radius of the part in 3D: the unit in which gaps are measured. Above 0.
+    /// Radius of the mesh in 3D, √(area/π) for joint seams: the unit in which gaps are measured. Above 0.
     pub radius: f64,
 }
 
-/// Cost c_e of a seam at an edge, from 0.05 to 1. `distance` to the nearest label boundary or crease;
-/// `visibility` from 0 (hidden) to 1; `sigma`, in the unit of `distance`, how near a boundary counts
-/// as near (0.02 of the part's diagonal).
+/// A cost c_e of a seam at an edge, from 0.05 to 1, for a mesh of which no dihedral angles are known; that of
+/// joint seams is in `charts`. `distance` to the nearest part boundary or crease; `visibility` from 0
+/// (hidden) to 1; `sigma`, in the unit of `distance`, how near a boundary counts as near.
 pub fn seam_cost(distance: f64, visibility: f64, sigma: f64) -> f64 {
     let at_boundary = (-distance * distance / (2.0 * sigma * sigma)).exp();
     let seen = (1.0 + VISIBILITY * visibility) / (1.0 + VISIBILITY);
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::flatten::Disk;
 
-    /// A prism of so many sides, each a strip of its own: the over-cut state of a tube.
+    /// A prism of so many sides, each a strip of its own: a tube, over-cut.
     struct Ring {
         disk: Disk,
         cut: OverCut,

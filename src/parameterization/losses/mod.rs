@@ -63,7 +63,7 @@ pub struct LossContext<'a> {
     pub faces: Option<&'a [u32]>,
     /// The unrolled shape of a tubular chart.
     pub cylinder: Option<CylinderTarget>,
-    /// Candidate seams, where the UVs are those of an over-cut part.
+    /// Candidate seams, where the UVs are those of an over-cut mesh.
     pub over_cut: Option<OverCut>,
     /// Class of each vertex, for the paper's cluster loss; all are of one class if absent.
     pub classes: Option<&'a [u32]>,

@@ -12,7 +12,7 @@ pub struct NetworkCloud {
     pub positions: Vec<[f32; 3]>,
     /// Unit normals.
     pub normals: Vec<[f32; 3]>,
-    /// Distance through the body to the other side, in the units of the positions; 0 where unknown.
+    /// Shape diameter: distance through the object to the other side, in the units of the positions; 0 where unknown.
     pub thickness: Vec<f32>,
 }
 

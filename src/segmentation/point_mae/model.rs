@@ -46,7 +46,7 @@ pub struct PointMae {
     pub encoder: Encoder,
     /// Propagation and heads.
     pub head: Head,
-    /// The judge of pairs of regions.
+    /// The boundary classifier.
     pub pairs: PairHead,
 }
 

@@ -1,5 +1,5 @@
-//! The head that judges pairs of regions: does a part end between them? It reads what `regions` says of
-//! a pair; learned from agglomerations of objects whose parts are known (as in Nunez-Iglesias et al.
+//! The boundary classifier as a head of the network: does a part end between two regions? It reads what
+//! `regions` says of a pair; it is learned from agglomerations of objects whose parts are known (as in Nunez-Iglesias et al.
 //! 2013, doi:10.1371/journal.pone.0071715).
 
 use burn::module::Module;

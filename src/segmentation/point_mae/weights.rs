@@ -71,7 +71,7 @@ pub enum WeightsError {
 pub enum Loaded {
     /// Encoder and heads: it segments.
     Whole,
-    /// Encoder and heads, but no judge of pairs: that wants training.
+    /// Encoder and heads, but no boundary classifier: that wants training.
     WithoutPairs,
     /// The encoder alone: it wants fine-tuning.
     EncoderOnly,
@@ -104,7 +104,7 @@ pub fn load(
     let unfit = |reason: String| {
         Err(WeightsError::Unfit { file: name.clone(), size: size.clone(), reason })
     };
-    // A judge of other features is as good as none.
+    // A classifier of other features is as good as none.
     let stale = |e: &ApplyError| e.to_string().contains("pairs.");
     if let Some(error) = result.errors.iter().find(|e| !stale(e)) {
         return unfit(first_line(&error.to_string()));

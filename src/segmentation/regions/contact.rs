@@ -1,12 +1,12 @@
-//! Where bodies that share no edge touch: authored objects are often one body a board, and a part may
-//! be several boards.
+//! Where welded components touch: authored objects are often one component a board, and a part may be
+//! several boards.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use crate::mesh::{NONE, Surface};
 use crate::sampling::PointCloud;
 
-/// Points of two bodies nearer than this share of the diagonal touch.
+/// Points of two welded components nearer than this share of the diagonal touch.
 const REACH: f64 = 0.01;
 
 /// Points that are looked at.
@@ -21,7 +21,7 @@ pub struct Contact {
     pub length: f64,
 }
 
-/// Contacts between faces of different bodies (`body`: one number a face).
+/// Contacts between faces of different welded components (`body`: one number a face).
 pub fn contacts(surface: &Surface, cloud: &PointCloud, body: &[u32]) -> Vec<Contact> {
     let first = cloud.faces.first().map(|&f| body[f as usize]);
     if cloud.faces.iter().all(|&f| Some(body[f as usize]) == first) {
@@ -38,7 +38,7 @@ pub fn contacts(surface: &Surface, cloud: &PointCloud, body: &[u32]) -> Vec<Cont
     for (i, &p) in picked.iter().enumerate() {
         let face = cloud.faces[p as usize];
         let near = tree.query(&at[i]).within::<SquaredEuclidean<f64>>(reach * reach).execute();
-        // The nearest of each other body.
+        // The nearest of each other component.
         let mut seen: Vec<u32> = Vec::new();
         for hit in near.iter().take(64) {
             let other = cloud.faces[picked[hit.item as usize] as usize];

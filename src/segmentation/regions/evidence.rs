@@ -1,5 +1,5 @@
-//! What is known of each face before any part is: the network's embedding and names, and how thick the
-//! body is there.
+//! What is known of each face before any part is: the network's embedding and names, and its shape
+//! diameter.
 
 use std::collections::VecDeque;
 

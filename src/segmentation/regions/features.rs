@@ -8,7 +8,7 @@ use super::region::{Region, embedding_distance};
 /// How many numbers.
 pub const FEATURES: usize = super::super::point_mae::PAIR_FEATURES;
 
-/// Those that come from the network: a judge without one must not see them.
+/// Those that come from the network: a classifier without one must not see them.
 pub const LEARNED: std::ops::Range<usize> = 0..5;
 
 /// Those that come from the file's structure.
@@ -17,8 +17,8 @@ pub const AUTHORED: std::ops::Range<usize> = 5..17;
 /// Those that come from the shape.
 pub const SHAPE: std::ops::Range<usize> = 18..37;
 
-/// From this probability that two places lie on different solids on, solids say all they can: a body with
-/// specks beside it may have any parts.
+/// From this probability that two places lie on different authored components on, these say all they can:
+/// one with specks beside it may have any parts.
 const SEVERAL: f64 = 0.006;
 
 /// Where some of the numbers stand.
@@ -27,9 +27,9 @@ pub mod at {
     pub const APART: usize = 0;
     /// Distance of the embeddings along the border.
     pub const STEP: usize = 1;
-    /// Share of the border that is between two solids.
+    /// Share of the border that is between two authored components.
     pub const ACROSS_SOLIDS: usize = 5;
-    /// Share of the border where bodies touch and share no edge.
+    /// Share of the border where welded components touch and share no edge.
     pub const CONTACT: usize = 17;
     /// How much of a valley the border is, ridges counting less.
     pub const VALLEY: usize = 18;
@@ -79,10 +79,10 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         flag(own_solid),
         flag(mixed),
         flag(a.primitive.is_some() && a.primitive == b.primitive),
-        // That all is one solid says nothing; that two halves of a board are says all.
+        // That all is one component says nothing; that two halves of a board are says all.
         if own_solid { (graph.solids.apart.powi(2) / SEVERAL).min(1.0) } else { 0.0 },
         flag(graph.solids.told),
-        // Solids: whole ones have no borders that are edges; a row of alike ones is often one part.
+        // Whole components have no borders that are edges; a row of alike ones is often one part.
         (small.edges / small.perimeter.max(1e-300)).clamp(0.0, 1.0),
         (large.edges / large.perimeter.max(1e-300)).clamp(0.0, 1.0),
         flag(small.like.is_some() && small.like == large.like),

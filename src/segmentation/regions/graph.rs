@@ -25,7 +25,7 @@ pub struct Border {
     pub length: f64,
     /// Of shared edges.
     pub edges: f64,
-    /// Of edges between two solids.
+    /// Of edges between two authored components.
     pub across_solids: f64,
     /// Length × how much of a valley.
     pub valley: f64,
@@ -35,7 +35,8 @@ pub struct Border {
     pub ridge: f64,
     /// Length × bend.
     pub bend: f64,
-    /// Length × how concave the two sides' patches lie: edges of a fine mesh hardly bend, patches do.
+    /// Length × how concave the two sides' initial regions lie: edges of a fine mesh hardly bend,
+    /// regions do.
     pub bay: f64,
     /// Length × how convex they lie.
     pub bulge: f64,
@@ -44,7 +45,7 @@ pub struct Border {
 }
 
 impl Border {
-    /// Length of edges inside a solid.
+    /// Length of edges inside an authored component.
     fn within_solids(&self) -> f64 {
         self.edges - self.across_solids
     }
@@ -76,14 +77,14 @@ pub struct RegionGraph {
     pub area: f64,
     /// Diagonal of the surface.
     pub diagonal: f64,
-    /// The solids.
+    /// The authored components.
     pub solids: Solids,
-    /// Solids of each group of solids that are alike.
+    /// Authored components of each group of those that are alike.
     pub likes: Vec<u32>,
 }
 
 impl RegionGraph {
-    /// The graph of patches (`patch`: one a face). `truth` is known when it is to be learned from.
+    /// The graph of initial regions (`patch`: one a face). `truth` is known when it is to be learned from.
     pub fn new(
         surface: &Surface,
         evidence: &Evidence,
@@ -130,7 +131,7 @@ impl RegionGraph {
         Self { regions, borders, left, area, diagonal, solids, likes }
     }
 
-    /// Solids that are like those of a region; 0 if it has several kinds.
+    /// Authored components that are like those of a region; 0 if it has several kinds.
     pub fn alike(&self, region: &Region) -> u32 {
         region.like.map_or(0, |l| self.likes[l as usize])
     }

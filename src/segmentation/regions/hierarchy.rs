@@ -24,7 +24,7 @@ pub struct Join {
 /// The joins of an object, in order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Hierarchy {
-    /// Patches at the bottom.
+    /// Initial regions at the bottom.
     pub patches: usize,
     /// Joins; a later one may be more certain than an earlier one.
     pub joins: Vec<Join>,
@@ -65,7 +65,7 @@ pub fn agglomerate(
     mut allowed: impl FnMut(&RegionGraph, u32, u32, &[f32; FEATURES]) -> bool,
 ) -> Result<Hierarchy, Canceled> {
     let patches = graph.regions.len();
-    let judge = |graph: &RegionGraph, a: u32, b: u32| -> Option<(f64, [f32; FEATURES])> {
+    let pair_of = |graph: &RegionGraph, a: u32, b: u32| -> Option<(f64, [f32; FEATURES])> {
         let border = graph.borders[a as usize].get(&b)?;
         let (r, s) = (graph.region(a)?, graph.region(b)?);
         let x = features(graph, r, s, border);
@@ -74,7 +74,7 @@ pub fn agglomerate(
     let mut heap = BinaryHeap::new();
     for a in 0..patches as u32 {
         for (&b, _) in graph.borders[a as usize].range(a + 1..) {
-            heap.extend(judge(graph, a, b).map(|j| Pair { boundary: j.0, regions: (a, b) }));
+            heap.extend(pair_of(graph, a, b).map(|j| Pair { boundary: j.0, regions: (a, b) }));
         }
     }
     let mut hierarchy = Hierarchy { patches, joins: Vec::new() };
@@ -87,7 +87,7 @@ pub fn agglomerate(
         if before > until {
             break;
         }
-        let Some((now, x)) = judge(graph, a, b) else { continue };
+        let Some((now, x)) = pair_of(graph, a, b) else { continue };
         // Either has grown since: its turn comes later.
         if now > before + 1e-9 {
             heap.push(Pair { boundary: now, regions: (a, b) });
@@ -102,7 +102,7 @@ pub fn agglomerate(
         for n in graph.join(keep, gone) {
             let pair = (keep.min(n), keep.max(n));
             heap.extend(
-                judge(graph, pair.0, pair.1).map(|j| Pair { boundary: j.0, regions: pair }),
+                pair_of(graph, pair.0, pair.1).map(|j| Pair { boundary: j.0, regions: pair }),
             );
         }
     }

@@ -1,5 +1,5 @@
-//! The judge of pairs in plain numbers: it is asked for one pair at a time, thousands of times an
-//! object. Sources that are not to be heard are masked.
+//! The boundary classifier in plain numbers: it is asked for one pair of regions at a time, thousands of
+//! times an object. Evidence that is not to be heard is masked.
 
 use burn::nn::Linear;
 
@@ -11,9 +11,9 @@ use super::features::{AUTHORED, FEATURES, LEARNED, SHAPE};
 pub struct Heard {
     /// The network's embedding and names.
     pub learned: bool,
-    /// Shells and primitives of the file.
+    /// Authored components and primitives of the file.
     pub authored: bool,
-    /// Valleys, thickness, spread.
+    /// Concave edges, shape diameter, how regions fill space.
     pub shape: bool,
 }
 
@@ -49,12 +49,12 @@ struct Layer {
     bias: Vec<f32>,
 }
 
-/// Three layers.
+/// The boundary classifier: three layers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Judge([Layer; 3]);
 
 impl Judge {
-    /// The judge of a trained head.
+    /// The classifier of a trained head.
     pub fn new(head: &PairHead) -> Self {
         let of = |linear: &Linear| Layer {
             weight: linear.weight.val().into_data().try_into_vec().unwrap_or_default(),
@@ -111,14 +111,14 @@ mod tests {
     fn it_says_what_the_head_says() {
         let device = Device::cpu();
         let model = PointMae::new(&ModelSize::Small.config(), 5, &device.burn());
-        let judge = Judge::new(&model.pairs);
+        let classifier = Judge::new(&model.pairs);
         let x: [f32; FEATURES] = std::array::from_fn(|i| (i * 7 % 11) as f32 * 0.2 - 1.0);
         let data = TensorData::new(x.to_vec(), [1, 1, FEATURES]);
         let logit = model.pairs.forward(Tensor::from_data(data, &device.burn()), &device);
         let want = 1.0 / (1.0 + (-f64::from(logit.into_scalar::<f32>())).exp());
-        let got = judge.boundary(&x, Heard::ALL);
+        let got = classifier.boundary(&x, Heard::ALL);
         assert!((got - want).abs() < 1e-5, "{got} {want}");
         let deaf = Heard { learned: false, ..Heard::ALL };
-        assert_ne!(judge.boundary(&x, deaf), got);
+        assert_ne!(classifier.boundary(&x, deaf), got);
     }
 }

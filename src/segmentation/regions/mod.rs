@@ -1,7 +1,8 @@
-//! Parts as sets of patches: evidence from network, geometry and file (`evidence`), patches over which
-//! nothing speaks for a boundary (`patches`), their graph with the places where bodies touch (`region`,
-//! `graph`, `contact`), and its agglomeration to a hierarchy by a learned judge or a rule (`features`,
-//! `judge`, `rule`, `hierarchy`).
+//! Parts as sets of regions: evidence from network, geometry and file (`evidence`); the authored
+//! components (`solids`) and the initial regions into which they are over-segmented (`patches`); their
+//! graph, with the places where welded components touch (`region`, `graph`, `contact`); and its
+//! agglomeration to a hierarchy by the boundary classifier or the rule (`features`, `judge`, `rule`,
+//! `hierarchy`).
 
 pub mod contact;
 pub mod evidence;
@@ -27,13 +28,13 @@ use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
 use crate::sampling::PointCloud;
 
-/// A surface made ready: its patches and their graph.
+/// A surface made ready: its initial regions and their graph.
 pub struct Prepared {
-    /// Patch of each face; [`NONE`](crate::mesh::NONE) for faces without area.
+    /// Initial region of each face; [`NONE`](crate::mesh::NONE) for faces without area.
     pub patch: Vec<u32>,
-    /// The graph of the patches.
+    /// The graph of the regions.
     pub graph: RegionGraph,
-    /// Where bodies touch.
+    /// Where welded components touch.
     pub contacts: Vec<contact::Contact>,
 }
 

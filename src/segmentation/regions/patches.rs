@@ -1,24 +1,25 @@
-//! Patches: faces joined as long as nothing speaks for a boundary between them, so that parts are sets
-//! of patches. Links are taken in order of what speaks against them (Kruskal's order, as Felzenszwalb and
-//! Huttenlocher 2004, doi:10.1023/B:VISI.0000022288.19776.77, do for pixels), up to a size.
+//! The initial regions (`patch`), of which parts are sets: an over-segmentation of each authored component.
+//! Edges are taken in order of what speaks against joining across them (Kruskal's order, as Felzenszwalb and
+//! Huttenlocher 2004, doi:10.1023/B:VISI.0000022288.19776.77, take pixels), and the two regions at an edge
+//! are joined up to a size; never over a sharp edge or out of an authored component.
 
 use super::evidence::Evidence;
 use super::solids::Solids;
 use crate::mesh::{DisjointSets, NONE, Surface};
 
-/// A patch has at most this share of the area.
+/// A region of several faces has at most this share of the area.
 const MOST: f64 = 1.0 / 900.0;
 
-/// How much the bend of an edge (radians) counts; a valley counts twice.
+/// How much the dihedral angle of an edge (radians) counts; a concave one counts twice.
 const BEND: f64 = 1.0;
 
 /// How much the step of the embedding counts.
 const STEP: f64 = 0.6;
 
-/// An edge that bends more than this (radians) is never inside a patch.
+/// Faces are never joined over an edge that bends by this (radians) or more.
 const SHARP: f64 = 0.6;
 
-/// Patch of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
+/// Initial region of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
 pub fn patches(surface: &Surface, evidence: &Evidence, solids: &Solids) -> (Vec<u32>, usize) {
     let mut sets = DisjointSets::new(surface.face_count());
     let mut links: Vec<(f64, u32, u32)> = Vec::new();

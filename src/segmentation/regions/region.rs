@@ -32,11 +32,11 @@ pub struct Region {
     pub bounds: (DVec3, DVec3),
     /// Length of its borders.
     pub perimeter: f64,
-    /// Length of those that are edges inside a solid; 0 for whole solids.
+    /// Length of those that are edges inside an authored component; 0 for whole components.
     pub edges: f64,
-    /// Group of solids that are alike ([`Likes`](super::solids::Likes)), if it is of one only.
+    /// Group of authored components that are alike ([`Likes`](super::solids::Likes)), if it is of one only.
     pub like: Option<u32>,
-    /// The solid, if it is of one only.
+    /// The authored component, if it is of one only.
     pub solid: Option<u32>,
     /// The file's primitive, if it is of one only.
     pub primitive: Option<u32>,
@@ -66,7 +66,7 @@ impl Region {
         }
     }
 
-    /// Add a face of a solid and its group.
+    /// Add a face of an authored component and its group.
     pub fn add_face(
         &mut self,
         surface: &Surface,

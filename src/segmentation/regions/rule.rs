@@ -1,6 +1,7 @@
-//! A judge without a network: nine numbers weighed by hand-sized constants (logistic regression on the
-//! pairs of procedural and IKEA objects that the learned judge is trained on, rounded; the constant is 1.05
-//! higher than fitted, so that the rule, which hears less, joins less at the same cut).
+//! How likely a part ends between two regions, told without a network: nine numbers weighed by rounded
+//! constants (logistic regression on the pairs of procedural and IKEA objects on which the boundary
+//! classifier is trained; the constant is 1.05 higher than fitted, so that the rule, which hears less, joins
+//! less at the same cut).
 
 use super::features::{FEATURES, at};
 use super::judge::{Heard, Opinion};
@@ -13,9 +14,9 @@ const BASE: f64 = 1.95;
 
 /// A number of the pair, and how much it speaks for a boundary.
 const WEIGHTS: [(usize, f64); 9] = [
-    // Bodies that only touch.
+    // Welded components that only touch.
     (at::CONTACT, 3.2),
-    // The minima rule: parts end in valleys, of edges and of patches; a ridge is the edge of one part.
+    // The minima rule: parts end in valleys, of edges and of initial regions; a ridge is the edge of one part.
     (at::VALLEY, 1.7),
     (at::BAY, 1.1),
     (at::RIDGE, -1.0),

@@ -1,7 +1,8 @@
-//! The solids of a file, and which of them are alike. Faces that share vertices in the file may be one
-//! solid that stands beside others, as a screen in its frame does, or one smooth patch of a file that
-//! splits vertices at hard edges, as most exporters do for normals. What tells them apart: who splits
-//! at hard edges leaves none inside a shell.
+//! The authored components of a file (`solids`), and which of them are alike. A file component (`shell`),
+//! faces that are connected by the file's own vertices, may be a thing that stands beside others, as a
+//! screen in its frame does, or a smooth area of a file that splits vertices at hard edges, as most
+//! exporters do for normals. What tells them apart: who splits at hard edges leaves none inside a file
+//! component. Where they say nothing, the welded components (`bodies`) are taken instead.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -10,30 +11,30 @@ use crate::mesh::{DisjointSets, NONE, Surface};
 /// Edges that bend more than this are hard (radians).
 const HARD: f64 = 0.7;
 
-/// From this share of hard edges inside shells on, shells are solids. Of labelled authored objects, parts
-/// end at 60 % of the length between shells where the share is higher, at 1 % where it is lower, and
-/// few objects lie between 0.3 and 0.6.
+/// From this share of hard edges inside file components on, these are the authored ones. Of labelled
+/// authored objects, parts end at 60 % of the length between file components where the share is higher,
+/// at 1 % where it is lower, and few objects lie between 0.3 and 0.6.
 const INSIDE: f64 = 0.6;
 
 /// Areas are alike that, in order of size, follow each other within this share.
 const ALIKE: f64 = 0.004;
 
-/// Solids of a surface.
+/// Authored components of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Solids {
-    /// Solid of each face, [`NONE`] for faces that are not usable.
+    /// Authored component of each face, [`NONE`] for faces that are not usable.
     pub of_face: Vec<u32>,
     /// Area of each, world units squared.
     pub areas: BTreeMap<u32, f64>,
-    /// Whether the file's shells are solids, and there are several; if not, solids are bodies.
+    /// Whether they are the file components, and there are several; if not, they are the welded ones.
     pub told: bool,
-    /// Root of the probability that two places lie on different solids: 0 for one, whatever specks are
+    /// Root of the probability that two places lie on different ones: 0 for one, whatever specks are
     /// beside it, near 1 for many of a size.
     pub apart: f64,
 }
 
 impl Solids {
-    /// The solids of a surface whose bodies are known.
+    /// The authored components of a surface whose welded ones (`bodies`) are known.
     pub fn new(surface: &Surface, bodies: &[u32]) -> Self {
         let told = hard_inside(surface) >= INSIDE;
         let of_face = if told {
@@ -50,23 +51,23 @@ impl Solids {
         Self { of_face, told: told && areas.len() > 1, apart: (1.0 - same).max(0.0).sqrt(), areas }
     }
 
-    /// Whether an edge is between two solids.
+    /// Whether an edge is between two of them.
     pub fn differ(&self, h: u32, twin: u32) -> bool {
         self.of_face[h as usize / 3] != self.of_face[twin as usize / 3]
     }
 }
 
-/// Solids that are alike in area, such as the keys of a keyboard or the legs of a chair.
+/// Authored components that are alike in area, such as the keys of a keyboard or the legs of a chair.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Likes {
-    /// Group of each face's solid, [`NONE`] for faces that are not usable.
+    /// Group of each face's component, [`NONE`] for faces that are not usable.
     pub of_face: Vec<u32>,
-    /// Solids of each group.
+    /// Components of each group.
     pub solids: Vec<u32>,
 }
 
 impl Likes {
-    /// Group the solids.
+    /// Group the components.
     pub fn new(solids: &Solids) -> Self {
         let mut order: Vec<(u32, f64)> = solids.areas.iter().map(|(s, a)| (*s, *a)).collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -86,13 +87,13 @@ impl Likes {
     }
 }
 
-/// Number the bodies: faces that share edges, or stand back to back. [`NONE`] for faces that are not
+/// Number the welded components: faces connected over twins or mates. [`NONE`] for faces that are not
 /// usable.
 pub fn bodies(surface: &Surface) -> Vec<u32> {
     number(surface, |_, _| true)
 }
 
-/// Number what hangs together over the edges that `hold`, or stands back to back.
+/// Number what is connected over the edges that `holds` lets through, or over mates.
 fn number(surface: &Surface, holds: impl Fn(u32, u32) -> bool) -> Vec<u32> {
     let mut sets = DisjointSets::new(surface.face_count());
     for (h, t) in edges(surface).filter(|(h, t)| holds(*h, *t)) {
@@ -105,7 +106,7 @@ fn number(surface: &Surface, holds: impl Fn(u32, u32) -> bool) -> Vec<u32> {
     (0..surface.face_count() as u32).map(of).collect()
 }
 
-/// Share of the length of hard edges that lies inside shells; 1 if there are no hard edges.
+/// Share of the length of hard edges that lies inside file components; 1 if there are no hard edges.
 fn hard_inside(surface: &Surface) -> f64 {
     let (mut inside, mut all) = (0.0, 0.0);
     for (h, t) in edges(surface).filter(|(h, _)| surface.dihedral(*h).abs() > HARD) {
@@ -118,7 +119,7 @@ fn hard_inside(surface: &Surface) -> f64 {
     if all > 0.0 { inside / all } else { 1.0 }
 }
 
-/// Both halves of each edge with two faces.
+/// Both half-edges of each edge with two faces.
 fn edges(surface: &Surface) -> impl Iterator<Item = (u32, u32)> {
     let halves = (0u32..).zip(&surface.twin).map(|(h, &t)| (h, t));
     halves.filter(|(h, t)| *t != NONE && h < t)
