@@ -114,4 +114,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_job_of_parts_writes_what_needs_no_charts() {
+        let of_parts = ArtifactKind::ALL.iter().filter(|kind| kind.when().is_of_parts());
+        let names: Vec<_> = of_parts.map(|kind| kind.name()).collect();
+        assert_eq!(names, ["model.glb", "labels.txt", "metrics.json", "preview.png"]);
+    }
+
+    #[test]
+    fn it_is_said_in_words_when_each_is_written() {
+        let words = |kind: ArtifactKind| kind.when().as_str();
+        assert_eq!(words(ArtifactKind::Model), "always");
+        assert!(words(ArtifactKind::Labels).contains("stop_after=segmentation"));
+        assert!(words(ArtifactKind::Layout).starts_with("unless the job ends with its parts"));
+        assert!(words(ArtifactKind::Preview).starts_with("unless time or memory"));
+        assert!(words(ArtifactKind::Log).contains("failed too"));
+    }
 }

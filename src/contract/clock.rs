@@ -59,7 +59,11 @@ impl Clock {
 
 /// User and system seconds of this process.
 fn cpu_seconds() -> f64 {
-    let Ok(stat) = std::fs::read_to_string("/proc/self/stat") else { return 0.0 };
+    std::fs::read_to_string("/proc/self/stat").map_or(0.0, |stat| cpu_of(&stat))
+}
+
+/// The same from the text of `/proc/PID/stat`.
+fn cpu_of(stat: &str) -> f64 {
     // The second field is the name in parentheses and may hold spaces; utime and stime are the
     // 14th and 15th.
     let Some((_, rest)) = stat.rsplit_once(')') else { return 0.0 };
@@ -69,7 +73,11 @@ fn cpu_seconds() -> f64 {
 
 /// High-water mark of the resident set.
 fn peak_memory_mib() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
+/// The same from the text of `/proc/PID/status`.
+fn peak_of(status: &str) -> Option<f64> {
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
     let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib / 1024.0)
@@ -89,5 +97,45 @@ mod tests {
         let names: Vec<_> = cost.stages.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["polish", "pack"]);
         assert!(cost.stages.iter().map(|s| s.wall_s).sum::<f64>() <= cost.wall_s);
+    }
+
+    #[test]
+    fn a_stage_that_is_come_back_to_costs_the_sum() {
+        let mut clock = Clock::new();
+        let wait = || std::thread::sleep(std::time::Duration::from_millis(20));
+        for stage in [Stage::Polish, Stage::Pack, Stage::Polish] {
+            clock.stage(stage);
+            wait();
+        }
+        let cost = clock.cost(0, "none");
+        let [polish, pack] = &cost.stages[..] else { panic!("{:?}", cost.stages) };
+        assert!(polish.wall_s >= 0.04 && pack.wall_s >= 0.02, "{cost:?}");
+        assert!(polish.wall_s + pack.wall_s <= cost.wall_s, "{cost:?}");
+    }
+
+    /// A program's name may hold what separates the fields.
+    #[test]
+    fn the_kernels_words_are_read() {
+        let stat = "7 (a) b (c) R 1 2 3 4 5 6 7 8 9 10 250 150 99 99";
+        assert_eq!(cpu_of(stat), 4.0);
+        assert_eq!(cpu_of("nothing"), 0.0);
+        assert_eq!(peak_of("VmPeak: 1 kB\nVmHWM:\t  3072 kB\n"), Some(3.0));
+        assert_eq!(peak_of("VmPeak: 1 kB"), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn work_costs_cpu_and_memory() {
+        let mut clock = Clock::new();
+        let before = clock.cost(0, "none").cpu_s;
+        let begun = Instant::now();
+        let mut sum = 0u64;
+        while cpu_seconds() - clock.begun_cpu < 0.05 && begun.elapsed().as_secs() < 60 {
+            sum = (0..100_000u64).fold(sum, |sum, i| std::hint::black_box(sum ^ i));
+        }
+        let cost = clock.cost(0, "none");
+        assert!(before < 60.0 && cost.cpu_s >= 0.05 && cost.cpu_s < 600.0, "{cost:?}");
+        // A test holds more than three megabytes and less than all there is.
+        assert!(cost.peak_memory_mib.is_some_and(|m| (3.0..1e6).contains(&m)), "{cost:?}");
     }
 }

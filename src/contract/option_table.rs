@@ -300,3 +300,93 @@ pub fn flag(info: Option<&OptionInfo>) -> Arg {
         .value_name(info.name.to_uppercase())
         .help(help)
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Args;
+
+    use super::*;
+    use crate::contract::{Quality, Seed, UnwrapOptions};
+
+    /// The options that these words of the command line give.
+    fn given(words: &[&str]) -> Result<UnwrapOptions, clap::Error> {
+        let command = UnwrapOptions::augment_args(clap::Command::new("test"));
+        let words = std::iter::once("test").chain(words.iter().copied());
+        clap::FromArgMatches::from_arg_matches(&command.try_get_matches_from(words)?)
+    }
+
+    #[test]
+    fn without_flags_every_option_has_its_default() {
+        assert_eq!(given(&[]).unwrap(), UnwrapOptions::default());
+    }
+
+    #[test]
+    fn a_flag_of_each_type_sets_its_option() {
+        let words = "--uv-channel 3 --page-size 256 --budget-mib 99 --part-boundary 0.25 --udim \
+                     --density seat=2 --max-charts 7 --quality best --seed 18446744073709551615 \
+                     --stop-after charts --budget-s 1.5";
+        let options = given(&words.split_whitespace().collect::<Vec<_>>()).unwrap();
+        let wanted = UnwrapOptions {
+            uv_channel: 3,
+            page_size: 256,
+            budget_mib: 99,
+            part_boundary: 0.25,
+            udim: true,
+            density: Some("seat=2".into()),
+            max_charts: Some(7),
+            quality: Quality::Best,
+            seed: Seed(u64::MAX),
+            stop_after: Some(crate::contract::StopAfter::Charts),
+            budget_s: Some(1.5),
+            ..Default::default()
+        };
+        assert_eq!(options, wanted);
+        assert!(given(&["--quality", "finest"]).is_err() && given(&["--padding", "x"]).is_err());
+    }
+
+    #[test]
+    fn the_table_tells_words_ranges_units_and_groups() {
+        let table = UnwrapOptions::table();
+        let option = |name: &str| table.iter().find(|o| o.name == name).unwrap();
+        let words: Vec<&str> = option("quality").words.iter().map(|w| w.0.as_str()).collect();
+        assert_eq!(words, ["fast", "balanced", "best"]);
+        assert!(option("quality").words.iter().all(|w| !w.1.is_empty()));
+        // A word may be absent; a number and a switch take none.
+        let words: Vec<&str> = option("stop_after").words.iter().map(|w| w.0.as_str()).collect();
+        assert_eq!(words, ["segmentation", "charts"]);
+        for name in ["padding", "udim", "density", "max_charts"] {
+            assert!(option(name).words.is_empty(), "{name}");
+        }
+        let padding = option("padding");
+        assert_eq!((padding.range, padding.unit), (Some([0.0, 64.0]), "texels"));
+        assert_eq!((padding.default.as_u64(), padding.group.heading()), (Some(2), "Pages"));
+        let headings = OptionGroup::ALL.map(OptionGroup::heading);
+        assert_eq!(headings, ["Parts", "Charts", "Maps", "Pages", "The job"]);
+    }
+
+    #[test]
+    fn help_tells_the_range_and_the_unit() {
+        let table = UnwrapOptions::table();
+        let help = |name: &str| {
+            let flag = flag(table.iter().find(|o| o.name == name));
+            (flag.get_long().map(str::to_owned), flag.get_help().map(ToString::to_string))
+        };
+        let (long, text) = help("page_size");
+        assert_eq!(long.as_deref(), Some("page-size"));
+        assert!(text.unwrap().ends_with(" [64 to 16384 texels]"));
+        assert!(help("part_boundary").1.unwrap().ends_with(" [0 to 1]"));
+        assert!(!help("udim").1.unwrap().contains('['));
+    }
+
+    #[test]
+    fn only_numbers_outside_of_their_range_are_wrong() {
+        let range = 1.0..=10.0;
+        assert_eq!(outside(&1u32, &range), None);
+        assert_eq!(outside(&Some(10u32), &range), None);
+        assert_eq!(outside(&None::<u32>, &range), None);
+        assert_eq!(outside(&true, &range), None);
+        assert_eq!(outside(&11u64, &range).unwrap(), "must be from 1 to 10, not 11");
+        assert_eq!(outside(&Some(0.5), &range).unwrap(), "must be from 1 to 10, not 0.5");
+        assert!(outside(&f64::NAN, &range).is_some());
+    }
+}
