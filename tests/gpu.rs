@@ -1,5 +1,5 @@
 //! The GPU against the CPU: one small seeded chart is trained on both, and the maps agree. Built with
-//! the feature `gpu` only (`tests/run --gpu`); software Vulkan will do.
+//! the feature `gpu` only (`tests/run gpu`); software Vulkan will do.
 #![cfg(feature = "gpu")]
 
 #[path = "shared/barrel.rs"]

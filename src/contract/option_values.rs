@@ -5,7 +5,8 @@ use std::str::FromStr;
 
 use clap::{Arg, ArgMatches, ValueEnum};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use utoipa::ToSchema;
+use utoipa::openapi::{Object, OneOfBuilder, RefOr, Schema, SchemaFormat, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 use super::option_table::{OptionValue, taken, text_flag, word_flag, words_of};
 
@@ -139,6 +140,22 @@ impl Serialize for Seed {
         if self.0 <= EXACT { s.serialize_u64(self.0) } else { s.collect_str(&self.0) }
     }
 }
+
+impl PartialSchema for Seed {
+    fn schema() -> RefOr<Schema> {
+        // In a string the range has no keyword; the format says it.
+        let format = || Some(SchemaFormat::Custom("uint64".to_owned()));
+        let number = Object::builder()
+            .schema_type(Type::Integer)
+            .format(format())
+            .minimum(Some(u64::MIN))
+            .maximum(Some(u64::MAX));
+        let text = Object::builder().schema_type(Type::String).format(format());
+        OneOfBuilder::new().item(number).item(text).into()
+    }
+}
+
+impl ToSchema for Seed {}
 
 impl<'de> Deserialize<'de> for Seed {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {

@@ -44,7 +44,7 @@ options! {
         udim: bool = false, Pages;
         /// Texel density of parts relative to the others, as in `0=2,seat=0.5`: numbers or names of
         /// parts as in metrics.json, factors from 0.01 to 100.
-        #[schema(max_length = 65536)]
+        #[schema(max_length = 65536, format = "density")]
         density: Option<String> = None, Pages;
         /// Neighbouring regions are one part if the probability that a part ends between them is at most
         /// this: lower gives more parts.
@@ -63,7 +63,6 @@ options! {
         /// Points a chart is trained on.
         points: u32 = 512, Maps, 64..=16384 "points";
         /// Seed of the samples and of the training; a string in JSON above 2^53.
-        #[schema(value_type = u64)]
         seed: Seed = Seed(0), Job;
         /// Wall-clock seconds the job may use; null for as many as it takes. As they run out stages take
         /// their cheaper forms, and the metrics say which; the result is then no longer a function of the

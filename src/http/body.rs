@@ -14,8 +14,7 @@ use crate::jobs::{
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Job)]
 pub struct JobBody {
-    /// `job_` and 32 hexadecimal digits. Ids sort by age.
-    #[schema(value_type = String, example = "job_0190163d8694739baea5966c26f8ad91")]
+    /// Its name in every address.
     pub id: JobId,
     /// Where it stands.
     pub state: JobState,
@@ -160,7 +159,6 @@ pub struct EventBody {
 #[schema(as = EventFields)]
 pub struct EventDataBody {
     /// The job.
-    #[schema(value_type = String, example = "job_0190163d8694739baea5966c26f8ad91")]
     pub job_id: JobId,
     /// When it happened.
     #[schema(value_type = String, format = DateTime)]

@@ -7,6 +7,7 @@ use std::sync::{Arc, LazyLock};
 use axum::extract::Path;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Redirect, Response};
+use utoipa::openapi::schema::AdditionalProperties;
 use utoipa::openapi::{
     ContentBuilder, OpenApi as Document, Ref, RefOr, Response as ApiResponse, ResponseBuilder,
     Schema,
@@ -14,10 +15,11 @@ use utoipa::openapi::{
 use utoipa::{OpenApi, ToSchema};
 use utoipa_swagger_ui::Config;
 
+use super::links::add_links;
 use super::problem::MEDIA_TYPE;
 use super::routes::ApiPaths;
 use super::{Problem, ProblemBody};
-use crate::contract::{ErrorCode, MeshKind, Metrics, UnwrapOptions};
+use crate::contract::{ArtifactKind, ErrorCode, MeshKind, Metrics, UnwrapOptions};
 
 /// The document's head. The operations come from [`ApiPaths`], the schemas from what they name.
 #[derive(OpenApi)]
@@ -42,6 +44,8 @@ fn document() -> Document {
     let mut document = ApiHead::openapi();
     document.merge(ApiPaths::openapi());
     add_formats(&mut document);
+    add_artifacts(&mut document);
+    add_links(&mut document);
     document
 }
 
@@ -64,7 +68,29 @@ fn add_formats(document: &mut Document) {
     if let Some(RefOr::T(Schema::Object(form))) = form
         && let Some(RefOr::T(Schema::Object(file))) = form.properties.get_mut("file")
     {
+        form.additional_properties = Some(Box::new(AdditionalProperties::FreeForm(false)));
         file.description = Some(format!("The mesh: {}.", MeshKind::inputs()));
+    }
+}
+
+/// A file is answered under each media type of the table.
+fn add_artifacts(document: &mut Document) {
+    let path = document.paths.paths.get_mut("/v1/jobs/{id}/artifacts/{name}");
+    let Some(fetch) = path.and_then(|path| path.get.as_mut()) else { return };
+    for status in ["200", "206"] {
+        if let Some(RefOr::T(answer)) = fetch.responses.responses.get_mut(status)
+            && let Some(bytes) = answer.content.swap_remove("application/octet-stream")
+        {
+            let types = ArtifactKind::ALL.iter().map(|kind| kind.media_type().to_owned());
+            answer.content.extend(types.map(|media_type| (media_type, bytes.clone())));
+            // A range of it is no JSON.
+            if status == "200" {
+                let metrics = Ref::from_schema_name(Metrics::name());
+                let metrics = ContentBuilder::new().schema(Some(metrics)).build();
+                let media_type = ArtifactKind::Metrics.media_type().to_owned();
+                answer.content.insert(media_type, metrics.into());
+            }
+        }
     }
 }
 
@@ -76,9 +102,25 @@ pub struct JobForm {
     #[schema(value_type = String, format = Binary)]
     file: Vec<u8>,
     /// What to do; what is left out has its default.
+    #[schema(value_type = UnwrapOptions, required = false)]
     options: Option<UnwrapOptions>,
     /// Part labels as text: one integer a line, line i is face i, -1 for unknown.
+    #[schema(value_type = String, required = false, min_length = 1)]
     labels: Option<String>,
+}
+
+/// An event of a stream, by its fields.
+#[derive(ToSchema)]
+#[allow(dead_code)]
+pub struct StreamEvent {
+    /// A number, which `Last-Event-ID` takes to go on from here.
+    #[schema(pattern = "^[0-9]+$")]
+    id: String,
+    /// `snapshot`, or the kind of the event.
+    event: String,
+    /// JSON: the job in a snapshot, else the fields of the event.
+    #[schema(content_media_type = "application/json")]
+    data: String,
 }
 
 /// A mesh or another file as it is.
@@ -182,6 +224,9 @@ fn swagger(name: &str) -> Result<Response, Problem> {
 
 #[cfg(test)]
 mod tests {
+    use utoipa::openapi::path::Parameter;
+
+    use super::super::links::STEPS;
     use super::*;
 
     #[test]
@@ -246,6 +291,32 @@ mod tests {
             let name = line.split(prefix).nth(1).unwrap().trim_end_matches(['\'', '"']);
             assert!(yaml.contains(&format!("\n    {name}:\n")), "{name} is missing");
         }
+    }
+
+    #[test]
+    fn every_link_leads_to_an_operation_that_takes_what_it_brings() {
+        let document = document();
+        let operation = |id: &str| {
+            let paths = document.paths.paths.values();
+            let all = paths.flat_map(|path| [&path.get, &path.post, &path.delete]).flatten();
+            all.into_iter().find(|operation| operation.operation_id.as_deref() == Some(id)).unwrap()
+        };
+        let mut links = 0;
+        for step in STEPS {
+            let answers = &operation(step.from).responses.responses;
+            for status in step.statuses {
+                let Some(RefOr::T(answer)) = answers.get(*status) else { panic!("{status}") };
+                assert!(answer.links.contains_key(step.name), "{} {status}", step.from);
+            }
+            for (name, _) in step.parameters {
+                let name = name.trim_start_matches("header.");
+                let mut parameters = operation(step.to).parameters.iter().flatten();
+                let taken = |p: &RefOr<Parameter>| matches!(p, RefOr::T(p) if p.name == name);
+                assert!(parameters.any(taken), "{} does not take {name}", step.to);
+                links += 1;
+            }
+        }
+        assert!(links > 10);
     }
 
     #[test]

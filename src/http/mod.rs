@@ -9,6 +9,7 @@ mod conditional;
 mod docs;
 mod edge;
 mod incoming;
+mod links;
 mod prefer;
 mod problem;
 mod routes;

@@ -22,17 +22,25 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Rows read at once.
 const BATCH: u32 = 256;
 
-/// What the reader saw last, by the header that a browser sends when it comes back.
-pub fn last_event_id<T: std::str::FromStr>(headers: &HeaderMap) -> Result<Option<T>, Problem> {
+/// The greatest id that is taken from a reader: eighteen digits, so that every store can hold it.
+const LAST: u64 = 999_999_999_999_999_999;
+
+/// The id that the reader saw last: by the header that a browser sends when it comes back, else by the
+/// query's `after`.
+pub fn seen(headers: &HeaderMap, after: Option<u64>) -> Result<Option<u64>, Problem> {
     const NAME: HeaderName = HeaderName::from_static("last-event-id");
-    let Some(value) = headers.get(NAME) else { return Ok(None) };
-    let number = value.to_str().ok().and_then(|text| text.trim().parse().ok());
-    let wrong = || {
+    let wrong = |name: &str, value: &dyn std::fmt::Debug| {
         Problem::malformed(format!(
-            "Last-Event-ID: expected the number that came as id of the last event, not {value:?}"
+            "{name}: expected the number that came as id of the last event, not {value:?}"
         ))
     };
-    number.map(Some).ok_or_else(wrong)
+    if let Some(after) = after.filter(|after| *after > LAST) {
+        return Err(wrong("after", &after));
+    }
+    let Some(value) = headers.get(NAME) else { return Ok(after) };
+    let digits = value.to_str().ok().filter(|text| text.bytes().all(|b| b.is_ascii_digit()));
+    let id = digits.and_then(|text| text.parse().ok()).filter(|id| *id <= LAST);
+    id.map(Some).ok_or_else(|| wrong("Last-Event-ID", value))
 }
 
 /// The stream of a job from its whole present state on: a `snapshot`, then every later event.
@@ -46,8 +54,7 @@ pub fn from_snapshot(state: &AppState, job: Job) -> Response {
 /// The stream of a job from behind `seq` on.
 pub fn from_seq(state: &AppState, id: JobId, seq: u64) -> Response {
     let opening = Frame::default().retry(RETRY);
-    let seq = i64::try_from(seq).unwrap_or(i64::MAX);
-    let tail = Tail::new(state, Source::Job { id, over: false }, seq);
+    let tail = Tail::new(state, Source::Job { id, over: false }, seq as i64);
     respond(iter([opening]).chain(tail.frames()))
 }
 

@@ -13,7 +13,9 @@ use crate::contract::{JobError, Stage, UnwrapOptions};
 use super::{Inputs, MetricsSummary};
 
 /// `job_` and a UUID of version 7 in 32 lower-case hexadecimal digits: ids sort by age.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, ToSchema)]
+#[schema(value_type = String, pattern = "^job_[0-9a-f]{32}$")]
+#[schema(example = "job_0190163d8694739baea5966c26f8ad91")]
 pub struct JobId(Uuid);
 
 /// This is no job id.

@@ -45,8 +45,11 @@ async fn a_stream_goes_from_the_snapshot_to_the_end() {
     assert_eq!((whole[0].event.as_str(), whole[0].id), ("snapshot", listed.len() as u64));
     assert_eq!(whole[0].data, app.json(&job).await);
 
-    for wrong in ["x", "-1", ""] {
+    for wrong in ["x", "-1", "+1", "", "1000000000000000000"] {
         let request = app.get(&format!("{job}/events")).header("Last-Event-ID", wrong);
+        problem(request.send().await.unwrap(), 400, "malformed_request").await;
+        // Also where a header that is right overrules it.
+        let request = app.get(&format!("{job}/events?after={wrong}")).header("Last-Event-ID", "0");
         problem(request.send().await.unwrap(), 400, "malformed_request").await;
     }
 }

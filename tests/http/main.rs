@@ -7,4 +7,5 @@ mod demo;
 mod events;
 mod jobs;
 mod meshes;
+mod same_bytes;
 mod service;

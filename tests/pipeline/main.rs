@@ -148,15 +148,9 @@ fn double_sided_faces_become_two_sheets_or_share_one() {
 }
 
 #[test]
+#[ignore = "needs the validator, which `tests/run validator` installs"]
 fn the_validator_finds_no_error() {
-    let Some(modules) = std::env::var_os("UVSEGNET_VALIDATOR") else {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "tests/run installs the validator and says where"
-        );
-        eprintln!("skipped: UVSEGNET_VALIDATOR is not set (tests/run installs the validator)");
-        return;
-    };
+    let modules = std::env::var_os("UVSEGNET_VALIDATOR").expect("where the validator is installed");
     let dir = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
     for name in SAMPLES {

@@ -13,12 +13,12 @@ use crate::contract::{ArtifactKind, ErrorCode};
 use crate::http::conditional::{ETag, Range};
 use crate::http::docs::{FileBytes, refusals};
 use crate::http::{AppState, ArtifactBody, ArtifactList, Problem};
-use crate::jobs::{BlobError, Job, StoredArtifact};
+use crate::jobs::{BlobError, Job, JobId, StoredArtifact};
 
 /// A picture or a model never runs a script in the name of this service.
 const SANDBOX: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox";
 
-refusals! { ListRefused: NotFound Internal }
+refusals! { ListRefused: MalformedRequest NotFound Internal }
 
 /// List what a job made
 ///
@@ -26,7 +26,7 @@ refusals! { ListRefused: NotFound Internal }
 /// list stays and the files are gone.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/artifacts", tag = "artifacts", operation_id = "list_artifacts",
-    params(("id" = String, Path, description = "The job")),
+    params(("id" = JobId, Path, description = "The job")),
     responses((status = 200, description = "The files", body = ArtifactList), ListRefused),
 )]
 pub async fn list(
@@ -47,7 +47,7 @@ static NAMES: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-refusals! { FetchRefused: NotFound ArtifactExpired RangeNotSatisfiable Internal }
+refusals! { FetchRefused: MalformedRequest NotFound ArtifactExpired RangeNotSatisfiable Internal }
 
 /// Get a file
 ///
@@ -55,14 +55,15 @@ refusals! { FetchRefused: NotFound ArtifactExpired RangeNotSatisfiable Internal 
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/artifacts/{name}", tag = "artifacts", operation_id = "get_artifact",
     params(
-        ("id" = String, Path, description = "The job"),
+        ("id" = JobId, Path, description = "The job"),
         ("name" = String, Path, description = NAMES.as_str(), example = "model.glb"),
-        ("Range" = Option<String>, Header, description = "One range of bytes, as in `bytes=0-1023`"),
-        ("If-Range" = Option<String>, Header, description = "The ETag that the range is of"),
-        ("If-None-Match" = Option<String>, Header, description = "The ETag that the client has"),
+        ("Range" = Option<String>, Header, nullable = false, description = "One range of bytes, as in `bytes=0-1023`"),
+        ("If-Range" = Option<String>, Header, nullable = false, description = "The ETag that the range is of"),
+        ("If-None-Match" = Option<String>, Header, nullable = false, description = "The ETag that the client has"),
     ),
     responses(
         (status = 200, description = "The file, under its own media type",
+            // `docs::add_artifacts` puts the media types of the table here.
             body = inline(FileBytes), content_type = "application/octet-stream", headers(
                 ("ETag" = String, description = "SHA-256 of the file, in quotes"),
                 ("Accept-Ranges" = String, description = "`bytes`"))),

@@ -7,8 +7,9 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
-use crate::http::docs::refusals;
+use crate::http::docs::{StreamEvent, refusals};
 use crate::http::{AppState, EventBody, EventList, Problem, sse};
+use crate::jobs::JobId;
 
 /// Events in one list.
 const LIST: u32 = 1000;
@@ -33,15 +34,15 @@ refusals! { Refused: MalformedRequest NotFound Internal }
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = "events", operation_id = "job_events",
     params(
-        ("id" = String, Path, description = "The job"),
-        ("after" = Option<u64>, Query, description = "Only events with a greater id"),
-        ("Last-Event-ID" = Option<u64>, Header, description = "The id of the last event seen"),
-        ("Accept" = Option<String>, Header,
+        ("id" = JobId, Path, description = "The job"),
+        ("after" = Option<u64>, Query, maximum = 999999999999999999u64, description = "Only events with a greater id"),
+        ("Last-Event-ID" = Option<String>, Header, nullable = false, pattern = "^[0-9]{1,18}$", description = "The id of the last event seen"),
+        ("Accept" = Option<String>, Header, nullable = false,
             description = "`text/event-stream` (default) or `application/json`"),
     ),
     responses(
         (status = 200, description = "The events", content(
-            (String = "text/event-stream"),
+            (StreamEvent = "text/event-stream"),
             (EventList = "application/json"),
         )),
         (status = 204, description = "The job is over and every event was seen: do not come back"),
@@ -55,7 +56,7 @@ pub async fn of_job(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let Query(query) = query?;
-    let seen = sse::last_event_id(&headers)?.or(query.after);
+    let seen = sse::seen(&headers, query.after)?;
     let job = state.job(&id).await?;
     if wants_list(&headers) {
         let after = seen.unwrap_or(0);
@@ -82,11 +83,11 @@ refusals! { AllRefused: MalformedRequest Internal }
 #[utoipa::path(
     get, path = "/v1/events", tag = "events", operation_id = "events",
     params(
-        ("after" = Option<u64>, Query, description = "Only events with a greater id"),
-        ("Last-Event-ID" = Option<u64>, Header, description = "The id of the last event seen"),
+        ("after" = Option<u64>, Query, maximum = 999999999999999999u64, description = "Only events with a greater id"),
+        ("Last-Event-ID" = Option<String>, Header, nullable = false, pattern = "^[0-9]{1,18}$", description = "The id of the last event seen"),
     ),
     responses(
-        (status = 200, description = "The events", content((String = "text/event-stream"))),
+        (status = 200, description = "The events", content((StreamEvent = "text/event-stream"))),
         AllRefused,
     ),
 )]
@@ -96,8 +97,8 @@ pub async fn of_all(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let Query(query) = query?;
-    let seen = match sse::last_event_id(&headers)?.or(query.after) {
-        Some(seen) => i64::try_from(seen).unwrap_or(i64::MAX),
+    let seen = match sse::seen(&headers, query.after)? {
+        Some(seen) => seen as i64,
         None => state.queue.last_event_id().await?,
     };
     Ok(sse::of_all_jobs(&state, seen))

@@ -32,8 +32,9 @@ refusals! { SubmitRefused: MalformedRequest UploadTooLarge UnsupportedMediaType 
 #[utoipa::path(
     post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
     params(
-        ("tag" = Option<String>, Query, description = "A word to find the job again, at most 128 characters"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: answer when the job is over, or after N seconds (at most 60)"),
+        ("tag" = Option<String>, Query, max_length = 128, pattern = r"^[^\x00-\x1f\x7f-\x9f]*$",
+            description = "A word to find the job again, at most 128 characters, none of them a control"),
+        ("Prefer" = Option<String>, Header, nullable = false, description = "`wait=N`: answer when the job is over, or after N seconds (at most 60)"),
     ),
     request_body(content(
         (JobForm = "multipart/form-data"),
@@ -137,7 +138,7 @@ refusals! { ListRefused: MalformedRequest Internal }
         ("state" = Option<JobState>, Query, description = "Only jobs in this state"),
         ("tag" = Option<String>, Query, description = "Only jobs with this tag"),
         ("limit" = Option<u32>, Query, minimum = 1, maximum = 100, description = "At most this many; 20 if not given"),
-        ("cursor" = Option<String>, Query, description = "The `next_cursor` of the page before"),
+        ("cursor" = Option<String>, Query, pattern = "^job_[0-9a-f]{32}$", description = "The `next_cursor` of the page before"),
     ),
     responses((status = 200, description = "A page of jobs", body = JobList), ListRefused),
 )]
@@ -162,7 +163,7 @@ pub async fn list(
     Ok(Json(JobList { data, next_cursor: page.next_cursor }))
 }
 
-refusals! { ShowRefused: NotFound Internal }
+refusals! { ShowRefused: MalformedRequest NotFound Internal }
 
 /// Look at a job
 ///
@@ -171,9 +172,9 @@ refusals! { ShowRefused: NotFound Internal }
 #[utoipa::path(
     get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
     params(
-        ("id" = String, Path, description = "The job"),
-        ("If-None-Match" = Option<String>, Header, description = "The ETag that the client has"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: at most N seconds (at most 60)"),
+        ("id" = JobId, Path, description = "The job"),
+        ("If-None-Match" = Option<String>, Header, nullable = false, description = "The ETag that the client has"),
+        ("Prefer" = Option<String>, Header, nullable = false, description = "`wait=N`: at most N seconds (at most 60)"),
     ),
     responses(
         (status = 200, description = "The job", body = JobBody,
@@ -224,14 +225,14 @@ impl Shown {
     }
 }
 
-refusals! { CancelRefused: NotFound Internal }
+refusals! { CancelRefused: MalformedRequest NotFound Internal }
 
 /// Cancel a job
 ///
 /// Idempotent. A job that waits is canceled at once, one that runs within two seconds.
 #[utoipa::path(
     post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
-    params(("id" = String, Path, description = "The job")),
+    params(("id" = JobId, Path, description = "The job")),
     responses(
         (status = 202, description = "The job runs and was told to stop", body = JobBody),
         (status = 200, description = "The job is over", body = JobBody),
@@ -250,12 +251,12 @@ pub async fn cancel(
     }
 }
 
-refusals! { DeleteRefused: NotFound JobNotTerminal Internal }
+refusals! { DeleteRefused: MalformedRequest NotFound JobNotTerminal Internal }
 
 /// Delete a job that is over, with its upload, its artifacts and its events
 #[utoipa::path(
     delete, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "delete_job",
-    params(("id" = String, Path, description = "The job")),
+    params(("id" = JobId, Path, description = "The job")),
     responses((status = 204, description = "It is gone"), DeleteRefused),
 )]
 pub async fn delete(
