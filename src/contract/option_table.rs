@@ -375,7 +375,7 @@ mod tests {
         assert_eq!(long.as_deref(), Some("page-size"));
         assert!(text.unwrap().ends_with(" [64 to 16384 texels]"));
         assert!(help("part_boundary").1.unwrap().ends_with(" [0 to 1]"));
-        assert!(!help("udim").1.unwrap().contains('['));
+        assert!(!help("block_align").1.unwrap().contains('['));
     }
 
     #[test]
