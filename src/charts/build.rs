@@ -70,14 +70,14 @@ pub struct Built {
     /// In order of part, and within a part of first face.
     pub charts: Vec<Chart>,
     /// Both results for each component that was merged both ways.
-    pub arms: Vec<Arms>,
+    pub orders: Vec<Orders>,
 }
 
 /// Objective Φ·ΣA of one connected component of a part, merged two ways; the lower one is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arms {
+pub struct Orders {
     /// The baseline: by what is saved for the work it takes, or in the best of the orders drawn at random.
-    pub control: f64,
+    pub baseline: f64,
     /// In the order that the soft map says.
     pub joint: f64,
 }
@@ -116,7 +116,7 @@ pub fn build_jointly(
     let mut built = Built::default();
     for part in parts? {
         built.charts.extend(part.charts);
-        built.arms.extend(part.arms);
+        built.orders.extend(part.orders);
     }
     Ok(built)
 }
@@ -193,7 +193,7 @@ impl Cutter<'_> {
         self.step(mesh);
         let mut best = join(work.clone(), None, limits, run)?;
         self.step(mesh);
-        let mut control = objective(&best, limits);
+        let mut baseline = objective(&best, limits);
         let restarts = if work.faces.len() >= LEAST_PATCHES { self.restarts } else { 0 };
         for k in 0..restarts {
             if run.skips(Stage::Charts, GaveUp::Joining) {
@@ -203,8 +203,8 @@ impl Cutter<'_> {
             let order: Vec<f32> = mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
             let other = join(work.clone(), Some(&order), limits, run)?;
             let reached = objective(&other, limits);
-            if reached < control {
-                (best, control) = (other, reached);
+            if reached < baseline {
+                (best, baseline) = (other, reached);
             }
         }
         let told = |o: &[f32]| -> Vec<f32> {
@@ -214,8 +214,8 @@ impl Cutter<'_> {
         if let Some(openness) = openness.filter(|o| o.iter().any(|o| !o.is_nan())) {
             let other = join(work, Some(&openness), limits, run)?;
             let joint = objective(&other, limits);
-            built.arms.push(Arms { control, joint });
-            if joint < control {
+            built.orders.push(Orders { baseline, joint });
+            if joint < baseline {
                 best = other;
             }
         }

@@ -76,9 +76,9 @@ fn what_a_soft_map_leaves_open_is_followed_where_it_is_better() {
         let mut random = Seeded::new(seed, 0);
         let openness: Vec<f32> = s.twin.iter().map(|_| random.unit_f64() as f32).collect();
         let built = build_jointly(&s, &part_of, &options, Some(&openness), &Run::quiet()).unwrap();
-        let [arms] = built.arms[..] else { panic!("{:?}", built.arms) };
-        let better = arms.joint < arms.control;
-        assert_eq!(built.charts != baseline, better, "{arms:?}");
+        let [orders] = built.orders[..] else { panic!("{:?}", built.orders) };
+        let better = orders.joint < orders.baseline;
+        assert_eq!(built.charts != baseline, better, "{orders:?}");
         followed[usize::from(better)] += 1;
     }
     assert!(followed.iter().all(|&n| n > 0), "{followed:?}");

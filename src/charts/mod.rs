@@ -19,7 +19,7 @@ mod scenes;
 #[cfg(test)]
 mod tests;
 
-pub use build::{Arms, Built, ChartOptions, build, build_jointly, split_chart};
+pub use build::{Built, ChartOptions, Orders, build, build_jointly, split_chart};
 pub use chart::{Chart, ChartShape, StartKind};
 pub use joins::over_cut::{OverCutPart, Seam, over_cut};
 pub use limits::clearance;

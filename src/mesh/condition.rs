@@ -34,11 +34,11 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
                 node: primitive.node,
                 material: primitive.material.unwrap_or(NONE),
                 component: 0,
-                shell: 0,
+                file_component: 0,
             });
         }
     }
-    number_shells(&mut origins, &raw, soup.len());
+    number_file_components(&mut origins, &raw, soup.len());
     let (low, diagonal) = extent(&soup, &raw);
     let (ids, mut positions) = weld::weld(&soup, low, weld::TOLERANCE * diagonal);
     run.cancel.check()?;
@@ -159,7 +159,7 @@ fn extent(positions: &[DVec3], triangles: &[[u32; 3]]) -> (DVec3, f64) {
 }
 
 /// Faces that share a vertex of the file.
-fn number_shells(origins: &mut [FaceOrigin], raw: &[[u32; 3]], vertices: usize) {
+fn number_file_components(origins: &mut [FaceOrigin], raw: &[[u32; 3]], vertices: usize) {
     let mut sets = DisjointSets::new(vertices);
     for t in raw {
         sets.join(t[0], t[1]);
@@ -168,7 +168,7 @@ fn number_shells(origins: &mut [FaceOrigin], raw: &[[u32; 3]], vertices: usize) 
     let mut number = HashMap::new();
     for (origin, t) in origins.iter_mut().zip(raw) {
         let next = number.len() as u32;
-        origin.shell = *number.entry(sets.root(t[0])).or_insert(next);
+        origin.file_component = *number.entry(sets.root(t[0])).or_insert(next);
     }
 }
 

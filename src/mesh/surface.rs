@@ -29,7 +29,7 @@ pub struct FaceOrigin {
     pub component: u32,
     /// File component: faces that are connected by the file's own vertices, nothing welded. What the author
     /// kept apart has another one, but so has each smooth area of a file that splits vertices at hard edges.
-    pub shell: u32,
+    pub file_component: u32,
 }
 
 /// A conditioned triangle surface.

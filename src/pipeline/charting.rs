@@ -5,7 +5,7 @@ use super::engine::Engine;
 use super::error::Cause;
 use super::joint;
 use super::parts::Solvers;
-use crate::charts::{self, Arms, Chart, ChartOptions};
+use crate::charts::{self, Chart, ChartOptions, Orders};
 use crate::contract::{
     GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions, WarningCode,
 };
@@ -77,12 +77,12 @@ fn attempt(
     let (surface, regions) = (&solvers.surface, &solvers.regions.of_face);
     let built = charts::build_jointly(surface, regions, how, openness, run)?;
     let joint_seams = openness.map(|_| {
-        let kept = |arms: &&Arms| arms.joint < arms.control;
-        let sum = |of: fn(&Arms) -> f64| built.arms.iter().map(of).sum::<f64>();
-        let (baseline, best) = (sum(|a| a.control), sum(|a| a.control.min(a.joint)));
+        let kept = |orders: &&Orders| orders.joint < orders.baseline;
+        let sum = |of: fn(&Orders) -> f64| built.orders.iter().map(of).sum::<f64>();
+        let (baseline, best) = (sum(|a| a.baseline), sum(|a| a.baseline.min(a.joint)));
         JointSeams {
-            pieces: built.arms.len() as u32,
-            kept: built.arms.iter().filter(kept).count() as u32,
+            pieces: built.orders.len() as u32,
+            kept: built.orders.iter().filter(kept).count() as u32,
             gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
         }
     });

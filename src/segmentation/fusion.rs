@@ -56,11 +56,11 @@ pub fn fuse(
         stands[part as usize] = p;
     }
     // Initial regions have ragged rims: about as far as one reaches, the line may be drawn anew, the more
-    // freely the nearer. Between file components (`shell`) the file has drawn it already.
+    // freely the nearer. Between file components the file has drawn it already.
     let usable = surface.usable.iter().filter(|u| **u).count();
     let faces_of_patch = usable as f64 / of_patch.len().max(1) as f64;
     let rings = (REACH * faces_of_patch.sqrt()).round().clamp(2.0, 8.0) as u8;
-    let file_component = |h: u32| surface.origins[h as usize / 3].shell;
+    let file_component = |h: u32| surface.origins[h as usize / 3].file_component;
     let same = |h: u32| file_component(h) == file_component(surface.twin[h as usize]);
     let ring = near_borders(surface, &label, rings, same);
     let fixed = label.iter().zip(&ring).map(|(&l, &r)| if r > 0 { -1 } else { l }).collect();

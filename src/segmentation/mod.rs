@@ -93,7 +93,7 @@ pub fn segment(
         let network = weights.network(device)?;
         let seen = Outside::of(surface, cloud);
         let evidence = gather(&seen, Some(&network), run)?;
-        Ok(fuse(&seen, &evidence, &network.judge, heard, cut, run)?)
+        Ok(fuse(&seen, &evidence, &network.classifier, heard, cut, run)?)
     };
     let scores = match source {
         SegmentationSource::Labels => given::Given.segment(surface, cloud, run)?,

@@ -2,7 +2,7 @@
 
 use super::error::SegmentationError;
 use super::point_mae::{Loaded, ModelSize, PointMae, PointMaeConfig, load};
-use super::regions::Judge;
+use super::regions::BoundaryClassifier;
 use crate::device::Device;
 
 /// A network ready to be asked.
@@ -13,7 +13,7 @@ pub struct Network {
     /// Its sizes.
     pub config: PointMaeConfig,
     /// Its boundary classifier.
-    pub judge: Judge,
+    pub classifier: BoundaryClassifier,
     /// Where it runs.
     pub device: Device,
 }
@@ -21,7 +21,12 @@ pub struct Network {
 impl Network {
     /// A network of these weights.
     pub fn new(model: PointMae, config: PointMaeConfig, device: &Device) -> Self {
-        Self { judge: Judge::new(&model.pairs), model, config, device: device.clone() }
+        Self {
+            classifier: BoundaryClassifier::new(&model.pairs),
+            model,
+            config,
+            device: device.clone(),
+        }
     }
 
     /// The weights of a file.

@@ -93,7 +93,7 @@ mod tests {
         let network = Weights::shipped().network(&Device::cpu()).unwrap();
         let again = Weights::shipped().network(&Device::cpu()).unwrap();
         assert!(Arc::ptr_eq(&network, &again), "laid out once");
-        assert!(network.judge.is_trained());
+        assert!(network.classifier.is_trained());
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::Network;
 use crate::segmentation::point_mae::PairHead;
 use crate::segmentation::regions::{
-    Evidence, FEATURES, Heard, Judge, Opinion, Region, RegionGraph, agglomerate,
+    BoundaryClassifier, Evidence, FEATURES, Heard, Opinion, Region, RegionGraph, agglomerate,
     features::{at, features},
     gather, prepare,
 };
@@ -67,7 +67,7 @@ pub fn train_joins(
     let mut pairs: Vec<Pair> = Vec::new();
     let mut head = None;
     for round in 0..ROUNDS {
-        let classifier = head.as_ref().map(Judge::new);
+        let classifier = head.as_ref().map(BoundaryClassifier::new);
         for astray in [false, true].into_iter().filter(|a| !a || classifier.is_some()) {
             let of =
                 |(i, k): (usize, &Known)| examples(k, i as u32, classifier.as_ref(), astray, run);
@@ -87,7 +87,7 @@ pub fn train_joins(
 fn examples(
     known: &Known,
     object: u32,
-    classifier: Option<&Judge>,
+    classifier: Option<&BoundaryClassifier>,
     astray: bool,
     run: &Run,
 ) -> Result<Vec<Pair>, Canceled> {

@@ -27,7 +27,8 @@ pub fn procedural_mesh(
     let structure = Structure::ALL[rng.random_range(0..Structure::ALL.len())];
     let (object, structure) = if fused {
         // A body that was scanned or printed has no hard edges to be split at.
-        let split = if structure == Structure::Soup { Structure::Soup } else { Structure::Solids };
+        let split =
+            if structure == Structure::Soup { Structure::Soup } else { Structure::Components };
         let mut object = synth::fused(object, rng.random_range(2000..9000));
         if let Some(body) = &mut object.fused {
             weather(body, &mut rng);

@@ -14,7 +14,7 @@ pub enum Structure {
     /// A node for each part.
     Nodes,
     /// One primitive; parts share no vertices: each is a file component.
-    Solids,
+    Components,
     /// One primitive; vertices are split at hard edges.
     Smooth,
     /// One primitive; no two triangles share a vertex.
@@ -23,7 +23,7 @@ pub enum Structure {
 
 impl Structure {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Nodes, Self::Solids, Self::Smooth, Self::Soup];
+    pub const ALL: [Self; 4] = [Self::Nodes, Self::Components, Self::Smooth, Self::Soup];
 }
 
 /// Edges that bend more than this have their vertices split (cosine of 40°).
@@ -55,7 +55,7 @@ pub fn scene(object: &SynthObject, structure: Structure) -> Scene {
     let mut scene = Scene::default();
     for (name, positions, triangles) in meshes {
         let (positions, triangles) = match structure {
-            Structure::Nodes | Structure::Solids => (positions, triangles),
+            Structure::Nodes | Structure::Components => (positions, triangles),
             Structure::Smooth => split(&positions, &triangles, HARD),
             Structure::Soup => split(&positions, &triangles, 2.0),
         };
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
     use crate::contract::Run;
     use crate::mesh;
-    use crate::segmentation::regions::solids::{Solids, bodies};
+    use crate::segmentation::regions::components::{AuthoredComponents, welded};
     use crate::synth::{SynthKind, SynthStyle, SynthVariant, make};
 
     #[test]
@@ -114,14 +114,15 @@ mod tests {
         let count = |structure| {
             let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
             assert_eq!(surface.face_count(), object.triangle_count());
-            let mut components: Vec<u32> = surface.origins.iter().map(|o| o.shell).collect();
+            let mut components: Vec<u32> =
+                surface.origins.iter().map(|o| o.file_component).collect();
             components.sort_unstable();
             components.dedup();
             components.len()
         };
         let parts = object.parts.len();
         assert_eq!(count(Structure::Nodes), parts);
-        assert_eq!(count(Structure::Solids), parts);
+        assert_eq!(count(Structure::Components), parts);
         assert!(count(Structure::Smooth) > parts);
         assert_eq!(count(Structure::Soup), object.triangle_count());
     }
@@ -132,12 +133,12 @@ mod tests {
         let object = make(SynthKind::Table, 1, style);
         for structure in Structure::ALL {
             let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
-            let solids = Solids::new(&surface, &bodies(&surface));
-            let told = matches!(structure, Structure::Nodes | Structure::Solids);
-            assert_eq!(solids.told, told, "{structure:?}");
-            assert!((solids.areas.values().sum::<f64>() - surface.area()).abs() < 1e-9);
+            let components = AuthoredComponents::new(&surface, &welded(&surface));
+            let told = matches!(structure, Structure::Nodes | Structure::Components);
+            assert_eq!(components.told, told, "{structure:?}");
+            assert!((components.areas.values().sum::<f64>() - surface.area()).abs() < 1e-9);
             if told {
-                assert_eq!(solids.areas.len(), object.parts.len());
+                assert_eq!(components.areas.len(), object.parts.len());
             }
         }
     }

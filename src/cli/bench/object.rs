@@ -22,7 +22,7 @@ use crate::pipeline::Engine;
 const WIDENINGS: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
 
 /// What is done with each object.
-pub struct Arms<'a> {
+pub struct Plan<'a> {
     /// The options of the object's own result.
     pub options: &'a UnwrapOptions,
     /// What computes.
@@ -30,7 +30,7 @@ pub struct Arms<'a> {
     /// Only that result and the peer.
     pub single: bool,
     /// The independent measure's command line.
-    pub judge: Option<&'a str>,
+    pub independent: Option<&'a str>,
     /// A folder for what is not kept.
     pub folder: &'a Path,
     /// Where models are kept.
@@ -38,18 +38,18 @@ pub struct Arms<'a> {
 }
 
 /// The object's line. Whatever goes wrong, panics included, is an `error` in it.
-pub fn line(name: &str, path: &Path, arms: &Arms) -> Row {
+pub fn line(name: &str, path: &Path, plan: &Plan) -> Row {
     let object = name.to_owned();
-    match guarded(|| measure(name, path, arms)) {
+    match guarded(|| measure(name, path, plan)) {
         Ok(measured) => Row { object, measured: Some(measured), error: None },
         Err(error) => Row { object, measured: None, error: Some(format!("{error:#}")) },
     }
 }
 
-fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
+fn measure(name: &str, path: &Path, plan: &Plan) -> Result<Measured> {
     let labels = labels_beside(path);
     let files = Files::read(path, &Beside::default())?;
-    let unwrapped = unwrap(&files, arms.options, arms.engine)?;
+    let unwrapped = unwrap(&files, plan.options, plan.engine)?;
     let input = files.input();
     let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
     let surface = mesh::condition(&scene, &Run::quiet())?;
@@ -58,32 +58,35 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
     let peer = peer::measure(&surface);
     drop(surface);
     let (mut at_peers, mut along_labels) = (None, None);
-    if !arms.single {
+    if !plan.single {
         if let Some(peer) = &peer {
-            at_peers = matched(&files, &unwrapped.metrics, peer, arms)?;
+            at_peers = matched(&files, &unwrapped.metrics, peer, plan)?;
         }
         if let Some(labels) = labels {
             let files = Files::read(path, &Beside::labels(labels))?;
             let options = UnwrapOptions {
                 segmentation: SegmentationSource::Labels,
                 quality: Quality::Fast,
-                ..arms.options.clone()
+                ..plan.options.clone()
             };
-            let along = unwrap(&files, &options, arms.engine)?;
+            let along = unwrap(&files, &options, plan.engine)?;
             along_labels = Some(ResultFigures::of(&along.metrics));
         }
     }
-    let model = match arms.models {
+    let model = match plan.models {
         Some(models) => models.join(format!("{}.glb", name.replace(['/', '\\'], "_"))),
-        None => arms.folder.join("model.glb"),
+        None => plan.folder.join("model.glb"),
     };
-    if arms.models.is_some() || arms.judge.is_some() {
+    if plan.models.is_some() || plan.independent.is_some() {
         std::fs::write(&model, unwrapped.artifact(ArtifactKind::Model).unwrap_or_default())?;
-        if let (Some(_), Some(picture)) = (arms.models, unwrapped.artifact(ArtifactKind::Preview)) {
+        if let (Some(_), Some(picture)) = (plan.models, unwrapped.artifact(ArtifactKind::Preview)) {
             std::fs::write(model.with_extension("png"), picture)?;
         }
     }
-    let judge = arms.judge.map(|judge| ask(judge, &model, path, arms.folder)).transpose()?;
+    let independent = plan
+        .independent
+        .map(|independent| ask(independent, &model, path, plan.folder))
+        .transpose()?;
     Ok(Measured {
         triangles,
         double_sided,
@@ -91,7 +94,7 @@ fn measure(name: &str, path: &Path, arms: &Arms) -> Result<Measured> {
         matched: at_peers,
         along_labels,
         peer,
-        judge,
+        independent,
     })
 }
 
@@ -102,7 +105,7 @@ fn matched(
     files: &Files,
     ours: &Metrics,
     peer: &PeerFigures,
-    arms: &Arms,
+    plan: &Plan,
 ) -> Result<Option<ResultFigures>> {
     let limit = peer.symmetric_dirichlet;
     let within = |e: Option<f64>| e.is_some_and(|e| e <= limit + ROUNDING);
@@ -115,9 +118,9 @@ fn matched(
         let options = UnwrapOptions {
             distortion_bound: widening * (limit - 1.0).max(ROUNDING),
             quality: Quality::Fast,
-            ..arms.options.clone()
+            ..plan.options.clone()
         };
-        let found = ResultFigures::of(&unwrap(files, &options, arms.engine)?.metrics);
+        let found = ResultFigures::of(&unwrap(files, &options, plan.engine)?.metrics);
         if best.is_some() && !within(found.symmetric_dirichlet) {
             break;
         }
@@ -136,10 +139,10 @@ fn labels_beside(path: &Path) -> Option<PathBuf> {
 }
 
 /// What the independent measure says.
-fn ask(judge: &str, model: &Path, original: &Path, folder: &Path) -> Result<Value> {
-    let mut words = judge.split_whitespace();
-    let program = words.next().ok_or_else(|| anyhow!("--judge names no program"))?;
-    let said = folder.join("judge.json");
+fn ask(independent: &str, model: &Path, original: &Path, folder: &Path) -> Result<Value> {
+    let mut words = independent.split_whitespace();
+    let program = words.next().ok_or_else(|| anyhow!("--independent names no program"))?;
+    let said = folder.join("independent.json");
     let output = Command::new(program)
         .args(words)
         .arg(model)
@@ -150,7 +153,10 @@ fn ask(judge: &str, model: &Path, original: &Path, folder: &Path) -> Result<Valu
         .output()
         .with_context(|| format!("cannot run {program}"))?;
     let text = std::fs::read(&said).map_err(|_| {
-        anyhow!("the program of --judge wrote nothing: {}", String::from_utf8_lossy(&output.stderr))
+        anyhow!(
+            "the program of --independent wrote nothing: {}",
+            String::from_utf8_lossy(&output.stderr)
+        )
     })?;
     Ok(serde_json::from_slice(&text)?)
 }

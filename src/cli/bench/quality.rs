@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::files::Shard;
-use super::object::{self, Arms};
+use super::object::{self, Plan};
 use super::options::BenchOptions;
 use super::table;
 use crate::contract::MeshKind;
@@ -38,9 +38,9 @@ pub struct Args {
     #[arg(long)]
     pub single: bool,
     /// An independent measure of the results, run as COMMAND MODEL.glb --original INPUT --json FILE;
-    /// what it writes to FILE becomes `judge` in the object's line.
+    /// what it writes to FILE becomes `independent` in the object's line.
     #[arg(long)]
-    pub judge: Option<String>,
+    pub independent: Option<String>,
     /// Where the models go; they are not kept otherwise.
     #[arg(long)]
     pub models: Option<PathBuf>,
@@ -58,11 +58,11 @@ pub fn run(args: Args) -> Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
-    let arms = Arms {
+    let plan = Plan {
         options: &args.bench.options,
         engine: &engine,
         single: args.single,
-        judge: args.judge.as_deref(),
+        independent: args.independent.as_deref(),
         folder: &folder,
         models: args.models.as_deref(),
     };
@@ -74,7 +74,7 @@ pub fn run(args: Args) -> Result<()> {
     let named = |path: &Path| path.strip_prefix(&args.dir).unwrap_or(path).display().to_string();
     let open = shard.filter(|path| !done.contains(&named(path)));
     for path in open.take(args.limit.unwrap_or(usize::MAX)) {
-        let line = object::line(&named(&path), &path, &arms);
+        let line = object::line(&named(&path), &path, &plan);
         eprintln!("{}", table::brief(&line));
         writeln!(lines, "{}", serde_json::to_string(&line)?).context("cannot write a line")?;
     }

@@ -42,7 +42,7 @@ pub struct Measured {
     pub peer: Option<PeerFigures>,
     /// What the independent measure said, in its own words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub judge: Option<Value>,
+    pub independent: Option<Value>,
 }
 
 /// The figures of a result that the table asks for.

@@ -125,7 +125,7 @@ fn object(file: &Path, weights: &Weights, network: &Network, seeds: &[u64]) -> R
         let seen = Outside::of(surface, &cloud);
         let evidence = gather(&seen, Some(network), &run)?;
         let fused = |heard| -> Result<Vec<i32>> {
-            let scores = fuse(&seen, &evidence, &network.judge, heard, CUT, &run)?;
+            let scores = fuse(&seen, &evidence, &network.classifier, heard, CUT, &run)?;
             Ok(labels(&segmentation::settle(surface, &cloud, &scores, &run)?))
         };
         let auto = fused(Heard::ALL)?;
@@ -171,7 +171,7 @@ fn labels(parts: &PartLabels) -> Vec<i32> {
 }
 
 fn components(surface: &Surface) -> Vec<i32> {
-    segmentation::regions::solids::bodies(surface).iter().map(|&b| b as i32).collect()
+    segmentation::regions::components::welded(surface).iter().map(|&b| b as i32).collect()
 }
 
 /// Print the table: sets, then what was held out of the training with the defaults, then categories

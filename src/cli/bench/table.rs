@@ -94,9 +94,10 @@ const FIGURES: [Figure; 22] = [
     ("objects", |m| m.len().to_string()),
     ("valid", |m| count(m, |m| m.ours.valid)),
     ("valid by the independent measure", |m| {
-        let measured: Vec<&Measured> = m.iter().copied().filter(|m| m.judge.is_some()).collect();
+        let measured: Vec<&Measured> =
+            m.iter().copied().filter(|m| m.independent.is_some()).collect();
         count(&measured, |m| {
-            m.judge.as_ref().is_some_and(|j| j["meshes"][0]["validity"]["valid"] == true)
+            m.independent.as_ref().is_some_and(|j| j["meshes"][0]["validity"]["valid"] == true)
         })
     }),
     ("symmetric Dirichlet, median", |m| quantile(m, 0.5, |m| m.ours.symmetric_dirichlet)),
@@ -201,7 +202,7 @@ mod tests {
             ours,
             along_labels: None,
             peer: Some(peer),
-            judge: None,
+            independent: None,
         };
         Row { object: "a".into(), measured: Some(measured), error: None }
     }

@@ -8,12 +8,6 @@ use glam::DVec2;
 
 use super::{Loss, Map};
 
-/// Cost of a seam in the best place.
-const LEAST_COST: f64 = 0.05;
-
-/// What visibility adds to the cost of a seam, relative to a hidden one.
-const VISIBILITY: f64 = 0.25;
-
 /// A candidate seam: an edge that stands twice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutEdge {
@@ -32,15 +26,6 @@ pub struct OverCut {
     pub edges: Vec<CutEdge>,
     /// Radius of the mesh in 3D, √(area/π) for joint seams: the unit in which gaps are measured. Above 0.
     pub radius: f64,
-}
-
-/// A cost c_e of a seam at an edge, from 0.05 to 1, for a mesh of which no dihedral angles are known; that of
-/// joint seams is in `charts`. `distance` to the nearest part boundary or crease; `visibility` from 0
-/// (hidden) to 1; `sigma`, in the unit of `distance`, how near a boundary counts as near.
-pub fn seam_cost(distance: f64, visibility: f64, sigma: f64) -> f64 {
-    let at_boundary = (-distance * distance / (2.0 * sigma * sigma)).exp();
-    let seen = (1.0 + VISIBILITY * visibility) / (1.0 + VISIBILITY);
-    LEAST_COST + (1.0 - LEAST_COST) * (1.0 - at_boundary) * seen
 }
 
 impl OverCut {
@@ -120,7 +105,7 @@ mod tests {
             positions.extend([at(angle, 0.0), at(next, 0.0), at(next, 1.0), at(angle, 1.0)]);
             let [v, w] = [4 * k as u32, 4 * ((k + 1) % SIDES) as u32];
             triangles.extend([[v, v + 1, v + 2], [v, v + 2, v + 3]]);
-            let cost = seam_cost(0.3 * (1.0 + noise(seed, 100 + k)), 0.5, 0.2);
+            let cost = 0.55 + 0.4 * noise(seed, 100 + k);
             edges.push(CutEdge { sides: [[v + 1, v + 2], [w, w + 3]], length: 1.0, cost });
             angle = next;
         }
@@ -189,14 +174,6 @@ mod tests {
         let total: f64 = ring.cut.edges.iter().map(|e| e.cost).sum();
         let value = terms.evaluate(Term::Boundary, &uv, 1.0, at, &mut gradient);
         assert!((value - ring.cut.edges[0].cost / total).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_seam_is_cheap_at_boundaries_and_dear_in_sight() {
-        assert!((seam_cost(0.0, 1.0, 0.02) - 0.05).abs() < 1e-12);
-        assert!((seam_cost(1.0, 1.0, 0.02) - 1.0).abs() < 1e-12);
-        assert!((seam_cost(1.0, 0.0, 0.02) - (0.05 + 0.95 / 1.25)).abs() < 1e-12);
-        assert!(seam_cost(0.01, 0.5, 0.02) < seam_cost(0.03, 0.5, 0.02));
     }
 
     #[test]

@@ -28,7 +28,7 @@ use std::fmt::Debug;
 
 use glam::DVec2;
 
-pub use boundary::{CutEdge, OverCut, seam_cost};
+pub use boundary::{CutEdge, OverCut};
 pub use cylindrical::CylinderTarget;
 #[cfg(test)]
 pub(super) use scenes::plane;

@@ -159,7 +159,7 @@ impl Scene {
         let cut = |k: u32| CutEdge {
             sides: [[k, k + 1], [k + 2, k + 3]],
             length: 0.5 + 0.1 * f64::from(k),
-            cost: super::seam_cost(0.1 * f64::from(k), 0.5, 0.2),
+            cost: 0.05 + 0.3 * f64::from(k),
         };
         let over_cut = OverCut { edges: vec![cut(0), cut(1), cut(2)], radius: 3.0 };
         let classes: Vec<u32> = (0..self.uv.len() as u32).map(|v| v % 3).collect();

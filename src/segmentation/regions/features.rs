@@ -55,8 +55,10 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
     let (length, edges) = (border.length.max(1e-300), border.edges.max(1e-300));
     let share = |x: &Region| (x.area / graph.area.max(1e-300)).max(1e-9).ln() / 7.0;
     let [apart, alike, best_a, best_b] = learned(a, b);
-    let (own_solid, mixed) =
-        (a.solid.is_some() && a.solid == b.solid, a.solid.is_none() || b.solid.is_none());
+    let (own_component, mixed) = (
+        a.component.is_some() && a.component == b.component,
+        a.component.is_none() || b.component.is_none(),
+    );
     let spread = Spread::of(a, b);
     let thick = match (a.log_thickness(), b.log_thickness()) {
         (Some(s), Some(t)) => ((s - t).abs() / 2.0).min(1.5),
@@ -76,19 +78,19 @@ pub fn features(graph: &RegionGraph, a: &Region, b: &Region, border: &Border) ->
         best_a.max(best_b),
         flag(!a.names.is_empty()),
         border.across_solids / edges,
-        flag(own_solid),
+        flag(own_component),
         flag(mixed),
         flag(a.primitive.is_some() && a.primitive == b.primitive),
         // That all is one component says nothing; that two halves of a board are says all.
-        if own_solid { (graph.solids.apart.powi(2) / SEVERAL).min(1.0) } else { 0.0 },
-        flag(graph.solids.told),
+        if own_component { (graph.components.apart.powi(2) / SEVERAL).min(1.0) } else { 0.0 },
+        flag(graph.components.told),
         // Whole components have no borders that are edges; a row of alike ones is often one part.
         (small.edges / small.perimeter.max(1e-300)).clamp(0.0, 1.0),
         (large.edges / large.perimeter.max(1e-300)).clamp(0.0, 1.0),
         flag(small.like.is_some() && small.like == large.like),
         f64::from(graph.alike(small).max(1)).ln() / 4.0,
         f64::from(graph.alike(large).max(1)).ln() / 4.0,
-        graph.solids.apart,
+        graph.components.apart,
         1.0 - border.edges / length,
         if border.weight > 0.0 { border.valley / border.weight } else { 0.0 },
         border.valley / edges,

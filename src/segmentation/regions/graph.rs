@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
+use super::components::{Alike, AuthoredComponents};
 use super::contact::Contact;
 use super::evidence::Evidence;
 use super::region::{Region, embedding_distance};
-use super::solids::{Likes, Solids};
 use crate::mesh::{NONE, Surface};
 
 /// An edge more concave than this (radians) is a valley in full; a flat one is none.
@@ -78,7 +78,7 @@ pub struct RegionGraph {
     /// Diagonal of the surface.
     pub diagonal: f64,
     /// The authored components.
-    pub solids: Solids,
+    pub components: AuthoredComponents,
     /// Authored components of each group of those that are alike.
     pub likes: Vec<u32>,
 }
@@ -89,16 +89,16 @@ impl RegionGraph {
         surface: &Surface,
         evidence: &Evidence,
         (patch, count): (&[u32], usize),
-        (contacts, solids): (&[Contact], Solids),
+        (contacts, components): (&[Contact], AuthoredComponents),
         truth: Option<&[i32]>,
     ) -> Self {
-        let likes = Likes::new(&solids);
+        let likes = Alike::new(&components);
         let mut regions = vec![Region::empty(evidence); count];
         for f in (0..surface.face_count()).filter(|&f| patch[f] != NONE) {
             regions[patch[f] as usize].add_face(
                 surface,
                 evidence,
-                (solids.of_face[f], likes.of_face[f]),
+                (components.of_face[f], likes.of_face[f]),
                 f,
                 truth,
             );
@@ -111,7 +111,7 @@ impl RegionGraph {
         for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
             let (a, b) = (patch[h as usize / 3], patch[t as usize / 3]);
             if a != b && a != NONE && b != NONE {
-                between(a, b, edge(surface, &regions, (a, b), h, solids.differ(h, t)));
+                between(a, b, edge(surface, &regions, (a, b), h, components.differ(h, t)));
             }
         }
         for contact in contacts {
@@ -127,8 +127,8 @@ impl RegionGraph {
         }
         let area = regions.iter().map(|r| r.area).sum();
         let regions = regions.into_iter().map(Some).collect();
-        let (left, diagonal, likes) = (count, surface.diagonal, likes.solids);
-        Self { regions, borders, left, area, diagonal, solids, likes }
+        let (left, diagonal, likes) = (count, surface.diagonal, likes.components);
+        Self { regions, borders, left, area, diagonal, components, likes }
     }
 
     /// Authored components that are like those of a region; 0 if it has several kinds.
@@ -209,8 +209,9 @@ mod tests {
         let surface = crate::mesh::condition(&scene.unwrap(), &Run::quiet()).unwrap();
         let evidence = Evidence { thickness: vec![0.0; 12], ..Default::default() };
         let patch: Vec<u32> = (0..12).map(|f| u32::from(f >= 8)).collect();
-        let solids = Solids::new(&surface, &super::super::solids::bodies(&surface));
-        RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], solids), None)
+        let components =
+            AuthoredComponents::new(&surface, &super::super::components::welded(&surface));
+        RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], components), None)
     }
 
     #[test]

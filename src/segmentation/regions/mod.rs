@@ -1,28 +1,28 @@
 //! Parts as sets of regions: evidence from network, geometry and file (`evidence`); the authored
-//! components (`solids`) and the initial regions into which they are over-segmented (`patches`); their
+//! components (`components`) and the initial regions into which they are over-segmented (`patches`); their
 //! graph, with the places where welded components touch (`region`, `graph`, `contact`); and its
-//! agglomeration to a hierarchy by the boundary classifier or the rule (`features`, `judge`, `rule`,
+//! agglomeration to a hierarchy by the boundary classifier or the rule (`features`, `boundary_classifier`, `rule`,
 //! `hierarchy`).
 
+pub mod boundary_classifier;
+pub mod components;
 pub mod contact;
 pub mod evidence;
 pub mod features;
 pub mod graph;
 pub mod hierarchy;
-pub mod judge;
 pub mod patches;
 pub mod region;
 pub mod rule;
-pub mod solids;
 
+pub use boundary_classifier::{BoundaryClassifier, Heard, Opinion};
+pub use components::AuthoredComponents;
 pub use evidence::{Evidence, gather};
 pub use features::{AUTHORED, FEATURES, LEARNED, SHAPE};
 pub use graph::RegionGraph;
 pub use hierarchy::{Boundary, Hierarchy, Join, agglomerate};
-pub use judge::{Heard, Judge, Opinion};
 pub use region::Region;
 pub use rule::Rule;
-pub use solids::Solids;
 
 use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
@@ -46,11 +46,12 @@ pub fn prepare(
     truth: Option<&[i32]>,
     run: &Run,
 ) -> Result<Prepared, Canceled> {
-    let bodies = solids::bodies(surface);
-    let solids = Solids::new(surface, &bodies);
-    let (patch, count) = patches::patches(surface, evidence, &solids);
+    let welded = components::welded(surface);
+    let components = AuthoredComponents::new(surface, &welded);
+    let (patch, count) = patches::patches(surface, evidence, &components);
     run.cancel.check()?;
-    let contacts = contact::contacts(surface, cloud, &bodies);
-    let graph = RegionGraph::new(surface, evidence, (&patch, count), (&contacts, solids), truth);
+    let contacts = contact::contacts(surface, cloud, &welded);
+    let graph =
+        RegionGraph::new(surface, evidence, (&patch, count), (&contacts, components), truth);
     Ok(Prepared { patch, graph, contacts })
 }

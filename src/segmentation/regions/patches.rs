@@ -3,8 +3,8 @@
 //! Huttenlocher 2004, doi:10.1023/B:VISI.0000022288.19776.77, take pixels), and the two regions at an edge
 //! are joined up to a size; never over a sharp edge or out of an authored component.
 
+use super::components::AuthoredComponents;
 use super::evidence::Evidence;
-use super::solids::Solids;
 use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// A region of several faces has at most this share of the area.
@@ -20,7 +20,11 @@ const STEP: f64 = 0.6;
 const SHARP: f64 = 0.6;
 
 /// Initial region of each face, numbered from 0 in order of first face; [`NONE`] for faces without area.
-pub fn patches(surface: &Surface, evidence: &Evidence, solids: &Solids) -> (Vec<u32>, usize) {
+pub fn patches(
+    surface: &Surface,
+    evidence: &Evidence,
+    components: &AuthoredComponents,
+) -> (Vec<u32>, usize) {
     let mut sets = DisjointSets::new(surface.face_count());
     let mut links: Vec<(f64, u32, u32)> = Vec::new();
     for (h, &t) in (0u32..).zip(&surface.twin).filter(|(h, t)| **t != NONE && h < *t) {
@@ -39,7 +43,7 @@ pub fn patches(surface: &Surface, evidence: &Evidence, solids: &Solids) -> (Vec<
     for &(_, h, t) in &links {
         let (a, b) = (sets.root(h / 3), sets.root(t / 3));
         let whole = areas[a as usize] + areas[b as usize];
-        if a != b && whole <= most && !solids.differ(h, t) {
+        if a != b && whole <= most && !components.differ(h, t) {
             let (keep, gone) = (a.min(b), a.max(b));
             sets.hang(gone, keep);
             areas[keep as usize] = whole;

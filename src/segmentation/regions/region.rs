@@ -34,10 +34,10 @@ pub struct Region {
     pub perimeter: f64,
     /// Length of those that are edges inside an authored component; 0 for whole components.
     pub edges: f64,
-    /// Group of authored components that are alike ([`Likes`](super::solids::Likes)), if it is of one only.
+    /// Group of authored components that are alike ([`Alike`](super::components::Alike)), if it is of one only.
     pub like: Option<u32>,
     /// The authored component, if it is of one only.
-    pub solid: Option<u32>,
+    pub component: Option<u32>,
     /// The file's primitive, if it is of one only.
     pub primitive: Option<u32>,
     /// Area of each true part, where the truth is known.
@@ -60,7 +60,7 @@ impl Region {
             perimeter: 0.0,
             edges: 0.0,
             like: None,
-            solid: None,
+            component: None,
             primitive: None,
             truth: BTreeMap::new(),
         }
@@ -71,7 +71,7 @@ impl Region {
         &mut self,
         surface: &Surface,
         evidence: &Evidence,
-        (solid, like): (u32, u32),
+        (component, like): (u32, u32),
         face: usize,
         truth: Option<&[i32]>,
     ) {
@@ -108,7 +108,7 @@ impl Region {
         let keep = |known: Option<u32>, own: u32| {
             if first { Some(own) } else { known.filter(|k| *k == own) }
         };
-        self.solid = keep(self.solid, solid);
+        self.component = keep(self.component, component);
         self.like = keep(self.like, like);
         self.primitive = keep(self.primitive, origin.primitive);
         if let Some(truth) = truth
@@ -130,7 +130,7 @@ impl Region {
         self.normal += other.normal;
         self.normals += other.normals;
         self.bounds = (self.bounds.0.min(other.bounds.0), self.bounds.1.max(other.bounds.1));
-        self.solid = self.solid.filter(|s| other.solid == Some(*s));
+        self.component = self.component.filter(|s| other.component == Some(*s));
         self.primitive = self.primitive.filter(|p| other.primitive == Some(*p));
         self.like = self.like.filter(|l| other.like == Some(*l));
         for (&part, area) in &other.truth {

@@ -3,8 +3,8 @@
 //! classifier is trained; the constant is 1.05 higher than fitted, so that the rule, which hears less, joins
 //! less at the same cut).
 
+use super::boundary_classifier::{Heard, Opinion};
 use super::features::{FEATURES, at};
-use super::judge::{Heard, Opinion};
 
 /// The rule.
 pub struct Rule;

@@ -1,8 +1,8 @@
-//! The authored components of a file (`solids`), and which of them are alike. A file component (`shell`),
+//! The authored components of a file, and which of them are alike. A file component,
 //! faces that are connected by the file's own vertices, may be a thing that stands beside others, as a
 //! screen in its frame does, or a smooth area of a file that splits vertices at hard edges, as most
 //! exporters do for normals. What tells them apart: who splits at hard edges leaves none inside a file
-//! component. Where they say nothing, the welded components (`bodies`) are taken instead.
+//! component. Where they say nothing, the welded components are taken instead.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -21,7 +21,7 @@ const ALIKE: f64 = 0.004;
 
 /// Authored components of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Solids {
+pub struct AuthoredComponents {
     /// Authored component of each face, [`NONE`] for faces that are not usable.
     pub of_face: Vec<u32>,
     /// Area of each, world units squared.
@@ -33,14 +33,14 @@ pub struct Solids {
     pub apart: f64,
 }
 
-impl Solids {
-    /// The authored components of a surface whose welded ones (`bodies`) are known.
-    pub fn new(surface: &Surface, bodies: &[u32]) -> Self {
+impl AuthoredComponents {
+    /// The authored components of a surface whose `welded` ones are known.
+    pub fn new(surface: &Surface, welded: &[u32]) -> Self {
         let told = hard_inside(surface) >= INSIDE;
         let of_face = if told {
-            number(surface, |h, t| shell(surface, h) == shell(surface, t))
+            number(surface, |h, t| file_component(surface, h) == file_component(surface, t))
         } else {
-            bodies.to_vec()
+            welded.to_vec()
         };
         let mut areas = BTreeMap::new();
         for (&own, area) in of_face.iter().zip(&surface.areas).filter(|(s, _)| **s != NONE) {
@@ -59,17 +59,17 @@ impl Solids {
 
 /// Authored components that are alike in area, such as the keys of a keyboard or the legs of a chair.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Likes {
+pub struct Alike {
     /// Group of each face's component, [`NONE`] for faces that are not usable.
     pub of_face: Vec<u32>,
     /// Components of each group.
-    pub solids: Vec<u32>,
+    pub components: Vec<u32>,
 }
 
-impl Likes {
+impl Alike {
     /// Group the components.
-    pub fn new(solids: &Solids) -> Self {
-        let mut order: Vec<(u32, f64)> = solids.areas.iter().map(|(s, a)| (*s, *a)).collect();
+    pub fn new(components: &AuthoredComponents) -> Self {
+        let mut order: Vec<(u32, f64)> = components.areas.iter().map(|(s, a)| (*s, *a)).collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         let mut counts: Vec<u32> = Vec::new();
         let mut last = f64::NEG_INFINITY;
@@ -83,13 +83,13 @@ impl Likes {
             group.insert(own, counts.len() as u32 - 1);
         }
         let of = |own: &u32| group.get(own).copied().unwrap_or(NONE);
-        Self { of_face: solids.of_face.iter().map(of).collect(), solids: counts }
+        Self { of_face: components.of_face.iter().map(of).collect(), components: counts }
     }
 }
 
 /// Number the welded components: faces connected over twins or mates. [`NONE`] for faces that are not
 /// usable.
-pub fn bodies(surface: &Surface) -> Vec<u32> {
+pub fn welded(surface: &Surface) -> Vec<u32> {
     number(surface, |_, _| true)
 }
 
@@ -112,7 +112,7 @@ fn hard_inside(surface: &Surface) -> f64 {
     for (h, t) in edges(surface).filter(|(h, _)| surface.dihedral(*h).abs() > HARD) {
         let length = surface.length(h);
         all += length;
-        if shell(surface, h) == shell(surface, t) {
+        if file_component(surface, h) == file_component(surface, t) {
             inside += length;
         }
     }
@@ -125,6 +125,6 @@ fn edges(surface: &Surface) -> impl Iterator<Item = (u32, u32)> {
     halves.filter(|(h, t)| *t != NONE && h < t)
 }
 
-fn shell(surface: &Surface, h: u32) -> u32 {
-    surface.origins[h as usize / 3].shell
+fn file_component(surface: &Surface, h: u32) -> u32 {
+    surface.origins[h as usize / 3].file_component
 }

@@ -51,9 +51,9 @@ struct Layer {
 
 /// The boundary classifier: three layers.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Judge([Layer; 3]);
+pub struct BoundaryClassifier([Layer; 3]);
 
-impl Judge {
+impl BoundaryClassifier {
     /// The classifier of a trained head.
     pub fn new(head: &PairHead) -> Self {
         let of = |linear: &Linear| Layer {
@@ -74,7 +74,7 @@ impl Judge {
     }
 }
 
-impl Opinion for Judge {
+impl Opinion for BoundaryClassifier {
     fn boundary(&self, features: &[f32; FEATURES], heard: Heard) -> f64 {
         let mut masked = *features;
         heard.mask(&mut masked);
@@ -111,7 +111,7 @@ mod tests {
     fn it_says_what_the_head_says() {
         let device = Device::cpu();
         let model = PointMae::new(&ModelSize::Small.config(), 5, &device.burn());
-        let classifier = Judge::new(&model.pairs);
+        let classifier = BoundaryClassifier::new(&model.pairs);
         let x: [f32; FEATURES] = std::array::from_fn(|i| (i * 7 % 11) as f32 * 0.2 - 1.0);
         let data = TensorData::new(x.to_vec(), [1, 1, FEATURES]);
         let logit = model.pairs.forward(Tensor::from_data(data, &device.burn()), &device);
