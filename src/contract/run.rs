@@ -243,6 +243,27 @@ mod tests {
     }
 
     #[test]
+    fn the_end_is_told_once_and_parts_as_they_are_done() {
+        let (run, told) = watched();
+        run.expect(&[(Stage::Charts, 1.0)]);
+        run.stage(Stage::Charts).unwrap();
+        // Too little news before the end, and none behind it.
+        for share in [0.999, 0.9995, 1.0, 1.0] {
+            run.advance(share);
+        }
+        run.parts(3, 8);
+        let told = told.lock().unwrap();
+        let fractions = told.iter().filter_map(|p| match p {
+            Progress::Progress { fraction, parts_done, parts_total, .. } => {
+                Some((*fraction, *parts_done, *parts_total))
+            }
+            _ => None,
+        });
+        let fractions: Vec<_> = fractions.collect();
+        assert_eq!(fractions, [(0.999, 0, 0), (1.0, 0, 0), (1.0, 3, 8)]);
+    }
+
+    #[test]
     fn what_is_given_up_is_a_warning_once() {
         let (run, told) = watched();
         for _ in 0..2 {
