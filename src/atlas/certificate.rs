@@ -197,6 +197,14 @@ mod tests {
     }
 
     #[test]
+    fn a_gutter_is_measured_between_edges_and_not_between_corners() {
+        let (disk, uv) = square(0.5);
+        let between = uv.iter().map(|p| p + DVec2::new(0.0, 1.0 / 32.0)).collect();
+        let found = certify(&[square(0.125), (disk, between)]);
+        assert_eq!(found.atlas.min_gutter_texels, Some(32.0));
+    }
+
+    #[test]
     fn overlap_and_narrow_gutters_are_found() {
         let found = certify(&[square(0.125), square(0.25), square(0.5 + 1.0 / 256.0)]);
         assert!(!found.atlas.valid && found.atlas.overlapping_pairs > 0);
@@ -220,7 +228,8 @@ mod tests {
         charts[0].1[12] = DVec2::NAN;
         assert!(certify(&charts).atlas.out_of_range > 0);
         charts[0].1[12] = charts[0].1[13];
-        assert!(certify(&charts).atlas.zero_area_uv > 0);
+        let flat = certify(&charts).atlas;
+        assert!(flat.zero_area_uv > 0 && flat.flipped == 0, "what is flat is not flipped");
         charts[0].1[12] = middle;
         charts[0].1[0].x = -0.5;
         assert!(certify(&charts).atlas.out_of_range > 0);

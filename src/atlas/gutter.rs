@@ -202,6 +202,34 @@ mod tests {
         );
     }
 
+    #[test]
+    fn a_segment_is_cut_into_pieces_of_a_cell() {
+        let all: Vec<(u32, Segment)> = (0..64)
+            .flat_map(|i| square(0.1 * f64::from(i % 8), 0.0, 1.0))
+            .map(|s| (0, s))
+            .collect();
+        let grid = SegmentGrid::new(&all);
+        let segment = [DVec2::new(0.02, 0.9), DVec2::new(1.6, 0.03)];
+        let pieces: Vec<_> = grid.pieces(&segment).collect();
+        let length = segment[0].distance(segment[1]) / grid.cell;
+        assert!(length > 10.0);
+        assert_eq!(pieces.len(), length.ceil() as usize);
+        // Each box is two cells wide at most, and they lead from one end to the other.
+        for [low, high] in &pieces {
+            assert!(low.0 <= high.0 && high.0 - low.0 <= 1, "{low:?} {high:?}");
+            assert!(low.1 <= high.1 && high.1 - low.1 <= 1, "{low:?} {high:?}");
+        }
+        let (first, last) = (grid.at(segment[0]), grid.at(segment[1]));
+        assert_eq!((pieces[0][0].0, pieces[0][1].1), first);
+        let end = pieces[pieces.len() - 1];
+        assert_eq!((end[1].0, end[0].1), last);
+        for pair in pieces.windows(2) {
+            let ([low, high], [next_low, next_high]) = (pair[0], pair[1]);
+            assert!(low.0 <= next_high.0 && next_low.0 <= high.0, "they touch");
+            assert!(low.1 <= next_high.1 && next_low.1 <= high.1, "they touch");
+        }
+    }
+
     proptest! {
         #[test]
         fn the_grid_finds_what_brute_force_finds(

@@ -115,3 +115,34 @@ impl Standing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use jiff::SignedDuration;
+
+    use super::*;
+    use crate::contract::UnwrapOptions;
+    use crate::jobs::{Inputs, JobId};
+
+    #[test]
+    fn a_reader_sees_that_files_are_gone_when_their_time_is_over_or_they_were_deleted() {
+        let now = Timestamp::UNIX_EPOCH;
+        let seen = |expired, expires_at| {
+            let standing = Standing { expired, expires_at, ..Standing::waiting(2, now) };
+            let given = NewJob {
+                id: JobId::new(),
+                inputs: Inputs::default(),
+                options: UnwrapOptions::default(),
+                tag: "x".into(),
+                priority: 3,
+            };
+            let job = standing.job(given, Vec::new(), 7, now);
+            assert_eq!((job.tag.as_str(), job.priority, job.queue_position), ("x", 3, 7));
+            job.expired
+        };
+        let second = SignedDuration::from_secs(1);
+        let times = [None, Some(now + second), Some(now), Some(now - second)];
+        assert_eq!(times.map(|at| seen(false, at)), [false, false, true, true]);
+        assert_eq!(times.map(|at| seen(true, at)), [true; 4]);
+    }
+}

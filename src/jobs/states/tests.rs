@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{Change, Command, Ending, Gone, Held, Policy, Refusal, Standing, apply, submit};
-use crate::contract::{ErrorCode, JobError, Stage, UnwrapOptions, WarningCode};
+use crate::contract::{ErrorCode, JobError, Stage, WarningCode};
 use crate::jobs::{
-    EventData, Handover, Inputs, JobId, JobProgress, JobState, MetricsSummary, NewEvent, NewJob,
-    QueueError, StoredArtifact, Swept, Tick, WarningEvent, Worker,
+    EventData, Handover, JobProgress, JobState, MetricsSummary, NewEvent, QueueError,
+    StoredArtifact, Swept, Tick, WarningEvent, Worker,
 };
 
 const MINE: &str = "mine";
@@ -351,28 +351,6 @@ fn a_lease_has_lapsed_when_its_end_is_over_and_not_before() {
     let at = |now| apply(&running, Command::TakeBack(Gone::Lapsed), &policy(), now).map(|_| ());
     assert_eq!(at(end), Err(Refusal::NotLost));
     assert_eq!(at(end + SignedDuration::from_nanos(1)), Ok(()));
-}
-
-#[test]
-fn a_reader_sees_that_files_are_gone_when_their_time_is_over_or_they_were_deleted() {
-    let [_, now, _] = moments();
-    let seen = |expired, expires_at| {
-        let standing = Standing { expired, expires_at, ..Standing::waiting(2, now) };
-        let given = NewJob {
-            id: JobId::new(),
-            inputs: Inputs::default(),
-            options: UnwrapOptions::default(),
-            tag: "x".into(),
-            priority: 3,
-        };
-        let job = standing.job(given, Vec::new(), 7, now);
-        assert_eq!((job.tag.as_str(), job.priority, job.queue_position), ("x", 3, 7));
-        job.expired
-    };
-    let second = SignedDuration::from_secs(1);
-    let times = [None, Some(now + second), Some(now), Some(now - second)];
-    assert_eq!(times.map(|at| seen(false, at)), [false, false, true, true]);
-    assert_eq!(times.map(|at| seen(true, at)), [true; 4]);
 }
 
 #[test]
