@@ -218,7 +218,7 @@ fn measure(measured: &Measured) -> MeasuredFigures {
 fn draw(measured: &Measured) -> (String, Vec<u8>) {
     let run = Run::quiet();
     let layout = preview::uv_layout_svg(measured, &[], &run.cancel).expect("nothing cancels it");
-    (layout, preview::preview_png(measured, &run).expect("nothing cancels it"))
+    (layout, preview::preview_png(measured, None, &run).expect("nothing cancels it"))
 }
 
 fn write(job: &Job) -> Vec<u8> {

@@ -3,18 +3,20 @@
 mod bench;
 mod demo;
 mod doctor;
+mod ending;
 mod input;
 mod openapi;
 mod options;
 mod outputs;
-mod progress_bar;
 mod reference;
 mod segment;
 pub mod serve;
 mod signals;
 mod synth;
+mod told;
 mod train;
 mod unwrap;
+mod watched;
 mod weights;
 mod worker;
 

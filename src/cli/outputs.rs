@@ -4,8 +4,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use clap::{Arg, ArgMatches, Command, FromArgMatches, value_parser};
+use clap::{Arg, ArgMatches, Command, FromArgMatches};
 
+use super::ending;
 use crate::contract::ArtifactKind;
 use crate::pipeline::Unwrapped;
 
@@ -39,7 +40,7 @@ impl clap::Args for Outputs {
     fn augment_args(command: Command) -> Command {
         command.args(kinds().map(|kind| {
             let flag = Arg::new(kind.flag()).long(kind.flag()).value_name("FILE");
-            let flag = flag.value_parser(value_parser!(PathBuf));
+            let flag = flag.value_parser(ending::of(vec![kind]));
             match kind {
                 ArtifactKind::Model => flag.short('o').required(true).help(kind.what()),
                 _ => flag.help(format!("{} ({})", kind.what(), kind.name())),
@@ -62,5 +63,35 @@ impl FromArgMatches for Outputs {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Flags {
+        #[command(flatten)]
+        outputs: Outputs,
+    }
+
+    #[test]
+    fn every_file_must_end_as_what_is_written_there() {
+        let parsed = |flags: &[&str]| {
+            Flags::try_parse_from([&["x"], flags].concat()).map(|flags| flags.outputs.0.len())
+        };
+        assert_eq!(parsed(&["-o", "a.glb", "--preview", "p.png", "--layout", "l"]).unwrap(), 3);
+        for wrong in [
+            &["-o", "a.obj"][..],
+            &["-o", "a.fbx"],
+            &["-o", "a.glb", "--preview", "p.jpg"],
+            &["-o", "a.glb", "--metrics", "m.glb"],
+        ] {
+            let error = parsed(wrong).unwrap_err().to_string();
+            assert!(error.contains("cannot be written here; what can: ."), "{error}");
+        }
     }
 }

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use super::ending;
 use super::input::{Beside, Files};
 use super::options::{PartOptions, valid};
-use super::progress_bar;
+use super::told;
+use super::watched::{self, Quiet};
 use super::weights::WeightFlags;
 use crate::contract::{ArtifactKind, Limits, MeshKind, StopAfter, UnwrapOptions};
 use crate::device::DeviceChoice;
@@ -19,9 +21,9 @@ pub struct Args {
     #[arg(help = format!("The mesh: {}", MeshKind::inputs()))]
     pub input: PathBuf,
     /// Where the parts go, by its ending: X.glb is the model with the part of each face in `_PART` and
-    /// names and confidences in its extras; X.json the metrics; X.png a picture; anything else text,
-    /// one integer a line, line i for face i, −1 for a face without area.
-    #[arg(short, long)]
+    /// names and confidences in its extras; X.json the metrics; X.png a picture; X.txt, or X without an
+    /// ending, text: one integer a line, line i for face i, −1 for a face without area.
+    #[arg(short, long, value_parser = ending::of(of_parts()))]
     pub output: PathBuf,
     /// What the parts depend on.
     #[command(flatten)]
@@ -32,9 +34,16 @@ pub struct Args {
     /// Which weights the network has.
     #[command(flatten)]
     pub weights: WeightFlags,
+    #[command(flatten)]
+    pub quiet: Quiet,
     /// Where the network runs: cpu, gpu, gpu:N, auto.
     #[arg(long, default_value_t)]
     pub device: DeviceChoice,
+}
+
+/// What a job that ends with its parts writes.
+fn of_parts() -> Vec<ArtifactKind> {
+    ArtifactKind::ALL.iter().copied().filter(|kind| kind.when().is_of_parts()).collect()
 }
 
 /// Run it.
@@ -44,18 +53,16 @@ pub fn run(args: Args) -> Result<()> {
     valid(&options)?;
     let files = Files::read(&args.input, &args.beside)?;
     let engine = args.weights.engine(&args.device)?;
-    let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let mut kinds = ArtifactKind::ALL.iter().copied().filter(|kind| kind.when().is_of_parts());
-    let wanted = kinds.find(|kind| kind.ending() == ending).unwrap_or(ArtifactKind::Labels);
-    let (run, bar) = progress_bar::run(&options);
+    let wanted = ending::kind(&args.output, &of_parts()).unwrap_or(ArtifactKind::Labels);
+    let (run, watcher) = watched::run(&options, args.quiet);
     let result =
         pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &engine, &run);
-    bar.finish_and_clear();
-    let result = result?;
+    drop(watcher);
+    let result = result.map_err(|error| told::error(&error))?;
     let bytes = result.artifact(wanted).context("the result lacks a file")?;
     std::fs::write(&args.output, bytes)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
-    for part in &result.metrics.parts {
+    for part in result.metrics.parts.iter().filter(|_| !args.quiet.quiet) {
         eprintln!(
             "{:>5}  {}  ({}, confidence {:.2})",
             part.id, part.name, part.source, part.confidence

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Error, Result, ensure};
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::ending;
+use crate::contract::ArtifactKind;
 use crate::synth::{self, SynthKind, SynthObject, SynthStyle, SynthVariant};
 
 /// Arguments of `uvsegnet synth`.
@@ -28,7 +30,7 @@ pub struct Args {
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Write the part of each face here, one number a line.
-    #[arg(long, conflicts_with = "count")]
+    #[arg(long, conflicts_with = "count", value_parser = ending::of(vec![ArtifactKind::Labels]))]
     pub labels: Option<PathBuf>,
     /// Make this many, from --seed on, as a labelled folder: X.glb, X.labels.txt, X.parts.json each.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -44,8 +46,9 @@ pub fn run(args: Args) -> Result<()> {
     }
     ensure!(args.kinds.len() == 1, "one kind makes one file: give --count for a folder of several");
     let kind = args.kinds[0];
-    let object = synth::make(kind, args.seed, style);
     let output = args.output.unwrap_or_else(|| format!("{}.glb", kind.as_str()).into());
+    let output = ending::checked(output, &[ArtifactKind::Model]).map_err(Error::msg)?;
+    let object = synth::make(kind, args.seed, style);
     write(&output, &object.glb())?;
     if let Some(labels) = &args.labels {
         write(labels, object.labels_text().as_bytes())?;

@@ -7,7 +7,8 @@ use anyhow::Result;
 use super::input::{Beside, Files};
 use super::options::valid;
 use super::outputs::Outputs;
-use super::progress_bar;
+use super::told;
+use super::watched::{self, Quiet};
 use super::weights::WeightFlags;
 use crate::contract::{Limits, MeshKind, UnwrapOptions};
 use crate::device::DeviceChoice;
@@ -32,6 +33,8 @@ pub struct Args {
     #[command(flatten)]
     pub weights: WeightFlags,
     #[command(flatten)]
+    pub quiet: Quiet,
+    #[command(flatten)]
     pub options: UnwrapOptions,
 }
 
@@ -40,12 +43,14 @@ pub fn run(args: Args) -> Result<()> {
     valid(&args.options)?;
     let files = Files::read(&args.input, &args.beside)?;
     let engine = args.weights.engine(&args.device)?;
-    let (run, bar) = progress_bar::run(&args.options);
+    let (run, watcher) = watched::run(&args.options, args.quiet);
     let result =
         pipeline::unwrap_input(&files.input(), &args.options, &Limits::default(), &engine, &run);
-    bar.finish_and_clear();
-    let unwrapped = result?;
+    drop(watcher);
+    let unwrapped = result.map_err(|error| told::error(&error))?;
     args.outputs.write(&unwrapped)?;
-    eprintln!("{}", unwrapped.summary());
+    if !args.quiet.quiet {
+        eprintln!("{}", told::as_flags(&unwrapped.summary()));
+    }
     Ok(())
 }

@@ -65,8 +65,8 @@ pub struct Degradation {
 impl std::fmt::Display for Degradation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (option, scarce) = match self.scarce {
-            Scarce::Time => ("budget_s", "time"),
-            Scarce::Memory => ("budget_mib", "memory"),
+            Scarce::Time => ("`budget_s`", "time"),
+            Scarce::Memory => ("`budget_mib`", "memory"),
         };
         let (stage, gave_up) = (self.stage.as_str(), self.gave_up.as_str());
         write!(f, "{stage}: too little {scarce} ({option}) was left for {gave_up}")
@@ -197,7 +197,7 @@ mod tests {
         assert!(budget.give_up(one) && !budget.give_up(one));
         assert_eq!(budget.degraded(), [one]);
         let text =
-            "pack: too little time (budget_s) was left for the search for a denser arrangement";
+            "pack: too little time (`budget_s`) was left for the search for a denser arrangement";
         assert_eq!(one.to_string(), text);
     }
 }

@@ -1,171 +1,10 @@
-//! The shape of `metrics.json`. A figure that cannot be had is null: never 0, never absent.
-//! The definitions are in docs/metrics.md and beside the code that takes each figure.
+//! The shape of `metrics.json`: what is told of the job, the atlas, its parts and its charts. The definitions
+//! are in docs/metrics.md.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Certificate, ChartForm, SegmentationSource, ShapeKind, StartKind};
-
-/// An area-weighted per-face figure.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct FaceStats {
-    /// Area-weighted mean.
-    pub mean: f64,
-    /// Area-weighted 95th percentile.
-    pub p95: f64,
-    /// Largest.
-    pub max: f64,
-}
-
-/// Texels per world unit, √(σ1σ2) over the faces, at the stated page size.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct TexelDensity {
-    /// Smallest.
-    pub min: f64,
-    /// Area-weighted mean.
-    pub mean: f64,
-    /// Largest.
-    pub max: f64,
-    /// Coefficient of variation: 0 when the density is even.
-    pub cv: f64,
-}
-
-/// A length in 3D, made free of the object's size.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct SeamLength {
-    /// Over √(3D area).
-    pub per_sqrt_area: f64,
-    /// Over the diagonal of the bounding box.
-    pub per_diagonal: f64,
-}
-
-/// PartUV's area figure: max(r, 1/r) clipped at 10, unweighted over faces.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct PartUvArea {
-    /// The worst chart's mean.
-    pub worst_chart: f64,
-    /// The mean over all faces at one scale.
-    pub overall: f64,
-}
-
-/// How well seams and part boundaries agree, within 1 % of the diagonal.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct BoundaryAlignment {
-    /// Seam length near a part boundary / seam length.
-    pub precision: f64,
-    /// Part-boundary length that is seam / part-boundary length.
-    pub recall: f64,
-    /// Harmonic mean of both.
-    pub f1: f64,
-    /// The best precision possible: part-boundary length / seam length, at most 1.
-    pub ceiling: f64,
-    /// Length of contact curves between components (within 0.5 % of the diagonal) / diagonal.
-    pub contact_length: f64,
-}
-
-/// The paper's conformality, on the shipped atlas and at its worst rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct PaperConformality {
-    /// mean |cos(∂p/∂u, ∂p/∂v)|.
-    pub shipped: f64,
-    /// mean (σ1² − σ2²)/(σ1² + σ2²).
-    pub worst_rotation: f64,
-}
-
-/// The paper's internal consistency, by distance over the chart and by straight distance.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct PaperInternalConsistency {
-    /// Over the 8 nearest by chart-graph distance.
-    pub geodesic: f64,
-    /// Over the 8 nearest by straight distance, each term clipped at 1.
-    pub euclidean: f64,
-}
-
-/// The paper's boundary compactness (reconstructed) and the usual one.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct PaperBoundaryCompactness {
-    /// |S∩B| / |S∪B| of seam and part-boundary length; null without parts that share edges.
-    #[schema(required)]
-    pub seam_boundary_overlap: Option<f64>,
-    /// Area-weighted mean over charts of 4πA/P².
-    pub isoperimetric: f64,
-}
-
-/// The figures that are taken at every level: atlas, part, chart. σ1 ≥ σ2 are the singular values
-/// of the map from a face's tangent plane to UV; s is the scale that makes total UV area equal
-/// total 3D area, global except where the name ends in `_chart`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-pub struct Figures {
-    /// σ1/σ2.
-    #[schema(required)]
-    pub quasi_conformal: Option<FaceStats>,
-    /// ½√(Σw(σ1²+σ2²)·Σw(σ1⁻²+σ2⁻²))/Σw at the best common scale: 1 is isometric.
-    #[schema(required)]
-    pub symmetric_dirichlet: Option<f64>,
-    /// The same with each chart at its own best scale.
-    #[schema(required)]
-    pub symmetric_dirichlet_chart: Option<f64>,
-    /// max(r, 1/r), r = σ1σ2/s².
-    #[schema(required)]
-    pub area_distortion: Option<FaceStats>,
-    /// The same with each chart at its own scale.
-    #[schema(required)]
-    pub area_distortion_chart: Option<FaceStats>,
-    /// Root of the area-weighted mean of (σ1⁻²+σ2⁻²)/2, scaled (Sander et al. 2001).
-    #[schema(required)]
-    pub stretch_l2: Option<f64>,
-    /// Largest 1/σ2, scaled.
-    #[schema(required)]
-    pub stretch_linf: Option<f64>,
-    /// Texels per world unit.
-    #[schema(required)]
-    pub texel_density: Option<TexelDensity>,
-    /// Cuts: an edge of k faces needs ⌈k/2⌉ different UV edges, and each further one is a cut.
-    pub seam_edges: u64,
-    /// Their length in 3D, counted once.
-    #[schema(required)]
-    pub seam_length: Option<SeamLength>,
-    /// Seam length that is neither near a part boundary, nor at a crease, nor hidden / seam length.
-    #[schema(required)]
-    pub avoidable_seam: Option<f64>,
-    /// Seams against part boundaries; null without parts that share edges.
-    #[schema(required)]
-    pub boundary_alignment: Option<BoundaryAlignment>,
-    /// 1 − mean |cos(∂p/∂u, ∂p/∂v)| (PartUV's table).
-    #[schema(required)]
-    pub partuv_angular: Option<f64>,
-    /// PartUV's area figure.
-    #[schema(required)]
-    pub partuv_area: Option<PartUvArea>,
-    /// Angular distortion as the paper takes it.
-    #[schema(required)]
-    pub paper_conformality: Option<PaperConformality>,
-    /// Whether near points stay near, as the paper takes it (reconstructed).
-    #[schema(required)]
-    pub paper_internal_consistency: Option<PaperInternalConsistency>,
-    /// Seams against part boundaries as the paper takes it (reconstructed).
-    #[schema(required)]
-    pub paper_boundary_compactness: Option<PaperBoundaryCompactness>,
-    /// ΣA·½(|σ1/s − 1| + |σ2/s − 1|)/ΣA (reconstructed).
-    #[schema(required)]
-    pub paper_texture_distortion: Option<f64>,
-    /// √(ΣA·min_R‖J/s − R‖²/ΣA) (reconstructed).
-    #[schema(required)]
-    pub paper_mean_texture_error: Option<f64>,
-    /// Chamfer distance of the round trip 3D → UV → 3D; null where no chart was trained.
-    #[schema(required)]
-    pub paper_chamfer: Option<f64>,
-    /// Seam length over the diagonal, as in the paper's Table 2.
-    #[schema(required)]
-    pub paper_total_seam_length: Option<f64>,
-    /// Connected seam curves, as in the paper's Table 4.
-    pub paper_seam_count: u64,
-    /// Charts, as in the paper's Table 4.
-    pub paper_island_count: u64,
-    /// Share of seam length near a part boundary, as in the paper's Table 4.
-    #[schema(required)]
-    pub paper_boundary_alignment_score: Option<f64>,
-}
+use super::{Certificate, ChartForm, Figures, SegmentationSource, ShapeKind, StartKind, Warning};
 
 /// Covered share of the full square page.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
@@ -197,12 +36,41 @@ pub struct AtlasMetrics {
     /// vertex of a chart of area A.
     #[schema(required)]
     pub developable: Option<f64>,
+    /// The objective of the charts: distortion, seams and their number in one figure (docs/metrics.md). What
+    /// charts are cut to make small.
+    pub objective: f64,
     /// What training the seams was worth; null where it was not tried (`quality` below `best`).
     #[schema(required)]
     pub joint_seams: Option<JointSeams>,
+    /// Meshes that the scene shows several times; null where there are none.
+    #[schema(required)]
+    pub instances: Option<InstanceMetrics>,
     /// The figures of all faces together.
     #[serde(flatten)]
     pub figures: Figures,
+}
+
+/// Meshes that a scene shows several times. Every figure is of each mesh where its largest instance (by
+/// volume; the first of them) stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+pub struct InstanceMetrics {
+    /// Instances in all.
+    pub count: u32,
+    /// Those that are scaled unevenly against the one that is measured: the same coordinates are more
+    /// distorted there.
+    pub uneven: u32,
+    /// Of those, the one with the most distortion.
+    #[schema(required)]
+    pub worst: Option<WorstInstance>,
+}
+
+/// The instance that is distorted most.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+pub struct WorstInstance {
+    /// Its node, by its number in the file.
+    pub node: u32,
+    /// Symmetric Dirichlet energy of its mesh there, each chart at its own best scale: 1 is isometric.
+    pub symmetric_dirichlet: f64,
 }
 
 /// One part.
@@ -214,11 +82,14 @@ pub struct PartMetrics {
     pub name: String,
     /// Which source decided.
     pub source: SegmentationSource,
-    /// How sure that source was, 0 to 1.
+    /// How sure that source was that this is a part, 0 to 1.
     pub confidence: f64,
+    /// How likely the network's name is right, 0 to 1; null where the name is not the network's.
+    #[schema(required)]
+    pub name_confidence: Option<f64>,
     /// How many faces.
     pub faces: u64,
-    /// Its charts, by number.
+    /// The charts that its faces lie in, by number.
     pub charts: Vec<u32>,
     /// The figures of its faces.
     #[serde(flatten)]
@@ -275,8 +146,9 @@ pub struct NeuralGain {
 pub struct ChartMetrics {
     /// Its number.
     pub id: u32,
-    /// The part it belongs to.
-    pub part: u32,
+    /// The parts that its faces are of, by number, that of most area first. Few charts have several: those
+    /// with specks, and those whose border gave way to `max_charts`.
+    pub parts: Vec<u32>,
     /// The page it is on, counted from 0.
     pub page: u32,
     /// How many faces.
@@ -316,6 +188,9 @@ pub struct Repairs {
     pub reoriented_faces: u64,
     /// Faces that stand twice, with both windings.
     pub double_sided_faces: u64,
+    /// Faces at the same place as another with the same winding: copies, one less than stand there.
+    #[serde(default)]
+    pub duplicate_faces: u64,
     /// Faces with more texels than their part's density asks for, since single precision would flatten
     /// them.
     #[serde(default)]
@@ -358,10 +233,51 @@ pub struct Units {
     pub length: String,
 }
 
+impl Metrics {
+    /// The same without what differs from run to run: what the job cost.
+    pub fn without_cost(&self) -> Self {
+        let summary = Summary { seconds: 0.0, ..self.summary.clone() };
+        Self { summary, cost: Cost::default(), ..self.clone() }
+    }
+}
+
 impl Default for Units {
     fn default() -> Self {
         Self { length: "world".into() }
     }
+}
+
+/// The result at a glance.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+pub struct Summary {
+    /// Whether the atlas is valid: `atlas.certificate.valid`; null where the job ends with its parts.
+    #[schema(required)]
+    pub valid: Option<bool>,
+    /// How many parts.
+    pub parts: u32,
+    /// How many charts.
+    pub charts: u32,
+    /// On how many pages.
+    pub pages: u32,
+    /// Seam length over √(3D area): `atlas.seam_length.per_sqrt_area`.
+    #[schema(required)]
+    pub seam_length: Option<f64>,
+    /// `atlas.symmetric_dirichlet_chart`: 1 is isometric. Each chart is taken at its own scale, so that texel
+    /// densities that were asked for do not count as distortion.
+    #[schema(required)]
+    pub symmetric_dirichlet: Option<f64>,
+    /// Coefficient of variation of the texel density, where it was asked to differ (`density`, or an atlas for
+    /// each material); else null.
+    #[schema(required)]
+    pub density_variation: Option<f64>,
+    /// Share of the pages that is covered: `atlas.packing_efficiency.covered`.
+    pub packing: f64,
+    /// Charts whose map is the network's: it was better there than the start map after the same descent.
+    pub charts_of_network: u32,
+    /// Wall-clock seconds: `cost.wall_s`.
+    pub seconds: f64,
+    /// What the user should know, as it was told while the job ran.
+    pub warnings: Vec<Warning>,
 }
 
 /// `metrics.json`.
@@ -369,6 +285,8 @@ impl Default for Units {
 pub struct Metrics {
     /// Version of this shape.
     pub schema: u32,
+    /// The result at a glance.
+    pub summary: Summary,
     /// Whether the result is a function of input, options, version, weights and device alone. False when
     /// the clock made a stage take its cheaper form; `degraded` names the stages.
     pub deterministic: bool,

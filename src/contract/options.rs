@@ -77,7 +77,7 @@ options! {
 
 /// What is wrong with one option.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema, thiserror::Error)]
-#[error("option {pointer}: {detail}")]
+#[error("option `{}`: {detail}", .pointer.trim_start_matches('/'))]
 pub struct OptionError {
     /// JSON pointer to the option, as in `/padding`.
     pub pointer: String,

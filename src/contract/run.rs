@@ -46,6 +46,7 @@ pub struct Run {
     pub budget: Arc<Budget>,
     way: Arc<Mutex<Way>>,
     clock: Arc<Mutex<Clock>>,
+    warnings: Arc<Mutex<Vec<Warning>>>,
 }
 
 impl Run {
@@ -68,6 +69,7 @@ impl Run {
             budget: Arc::new(budget),
             way: Arc::new(Mutex::new(way)),
             clock: Arc::new(Mutex::new(Clock::new())),
+            warnings: Arc::default(),
         }
     }
 
@@ -76,14 +78,26 @@ impl Run {
         Self::new(|_| {}, Cancel::default(), Budget::default())
     }
 
-    /// Tell one thing.
+    /// Tell one thing; a warning that was told already is not told again.
     pub fn tell(&self, progress: Progress) {
+        if let Progress::Warning(warning) = &progress {
+            let mut held = self.held_warnings();
+            if held.contains(warning) {
+                return;
+            }
+            held.push(warning.clone());
+        }
         (self.tell)(progress);
     }
 
     /// Tell a warning.
     pub fn warn(&self, code: WarningCode, message: impl Into<String>) {
         self.tell(Progress::Warning(Warning::new(code, message)));
+    }
+
+    /// The warnings so far, in the order in which they were told.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.held_warnings().clone()
     }
 
     /// Say how much work is expected of each stage, in any unit; stages that are not named are not run.
@@ -172,6 +186,10 @@ impl Run {
         way.told = way.fraction;
         let (stage, fraction, [parts_done, parts_total]) = (way.stage, way.fraction, way.parts);
         self.tell(Progress::Progress { stage, fraction, parts_done, parts_total });
+    }
+
+    fn held_warnings(&self) -> MutexGuard<'_, Vec<Warning>> {
+        self.warnings.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
     fn clock(&self) -> MutexGuard<'_, Clock> {
@@ -272,6 +290,7 @@ mod tests {
         let told = told.lock().unwrap();
         assert!(matches!(&told[..], [Progress::Warning(w)] if w.code == WarningCode::Degraded));
         assert_eq!(run.budget.degraded().len(), 1);
+        assert_eq!(run.warnings().len(), 1);
     }
 
     #[test]

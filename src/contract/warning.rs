@@ -41,6 +41,9 @@ warnings! {
     BadNormals "bad_normals" "Normals have no direction: groups that use them lose their normals",
     BadTexcoords "bad_texcoords" "Texture coordinates that are not finite were set to 0",
     MtllibIgnored "mtllib_ignored" "Material libraries are not read: materials keep their names only",
+    MixedWindings "mixed_windings" "Many faces are wound against their neighbours, which tears charts apart",
+    DuplicateFaces "duplicate_faces" "Many faces stand more than once, each copy with a place of its own",
+    ManyCharts "many_charts" "There are many charts a part",
     MaxChartsMissed "max_charts_missed" "More charts are needed than `max_charts` asks for",
     Degraded "degraded" "A stage took a cheaper form, for the job's time or memory ran low",
 }

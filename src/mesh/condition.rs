@@ -86,6 +86,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         split_vertices: split_vertices(&triangles, &usable, &twin),
         reoriented_faces: reversed.iter().filter(|r| **r).count() as u64,
         double_sided_faces: sheet_mate.iter().filter(|&&m| m != NONE).count() as u64,
+        duplicate_faces: duplicates(&triangles, &usable, &reversed),
         ..Default::default()
     };
     Ok(Surface {
@@ -214,6 +215,20 @@ fn sheet_mates(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<u32> {
     mates
 }
 
+/// Faces that stand where another of the same winding in the file does, less one each.
+fn duplicates(triangles: &[[u32; 3]], usable: &[bool], reversed: &[bool]) -> u64 {
+    let mut keys: Vec<([u32; 3], bool)> = Vec::with_capacity(triangles.len());
+    for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
+        let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+        let [a, b, c] = [t[least], t[(least + 1) % 3], t[(least + 2) % 3]];
+        keys.push(([a, b.min(c), b.max(c)], (b < c) != reversed[f]));
+    }
+    let faces = keys.len();
+    keys.sort_unstable();
+    keys.dedup();
+    (faces - keys.len()) as u64
+}
+
 /// How many fans of faces there are beyond one a vertex (bow ties, non-manifold vertices).
 fn split_vertices(triangles: &[[u32; 3]], usable: &[bool], twin: &[u32]) -> u64 {
     let mut sets = DisjointSets::new(3 * triangles.len());
@@ -285,6 +300,13 @@ mod tests {
         }
         assert_eq!(s.twin.iter().filter(|&&t| t != NONE).count(), 12);
         assert_eq!(s.sheet_mate[0], 4);
+    }
+
+    #[test]
+    fn copies_are_counted_and_other_sides_are_not() {
+        let copies = [[0, 1, 2], [0, 2, 3], [1, 2, 0], [2, 0, 1], [0, 3, 2]];
+        let s = conditioned(&QUAD, &copies);
+        assert_eq!(s.repairs.duplicate_faces, 2, "two more of the first");
     }
 
     #[test]

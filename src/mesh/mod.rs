@@ -21,8 +21,8 @@ pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use maxflow::Flow;
 pub use scene::{
-    ABSENT, Attribute, Component, Document, Material, Mesh, Node, Primitive, Scene, TEXCOORD,
-    TexcoordOrigin, Values,
+    ABSENT, Attribute, Component, Document, Instance, Material, Mesh, Node, Other, Primitive,
+    Scene, TEXCOORD, TexcoordOrigin, Values,
 };
 pub use surface::{CREASE, FaceOrigin, NONE, Surface};
 pub use symmetric::{least_eigenvalue, least_eigenvector};

@@ -13,7 +13,9 @@ use super::levels::{Level, Levels};
 use super::seams::Seams;
 use super::statistics::weighted_mean;
 use super::{EdgeTable, FaceMap, paper, partuv};
-use crate::contract::{Canceled, Figures, PaperBoundaryCompactness, PaperInternalConsistency, Run};
+use crate::contract::{
+    Canceled, Figures, PaperBoundaryCompactness, PaperFigures, PaperInternalConsistency, Run,
+};
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
 
@@ -157,7 +159,9 @@ impl<'a> Taken<'a> {
     fn figures(&self, level: &'a Level) -> Figures {
         let totals = Totals::of(self.maps(level));
         if level.faces.is_empty() {
-            return Figures { paper_island_count: level.charts.len() as u64, ..Figures::default() };
+            let island_count = level.charts.len() as u64;
+            let paper = PaperFigures { island_count, ..PaperFigures::default() };
+            return Figures { paper, ..Figures::default() };
         }
         let maps = || self.maps(level);
         let charts = || level.charts.iter().filter_map(|&c| self.chart_levels.get(c as usize));
@@ -188,19 +192,23 @@ impl<'a> Taken<'a> {
             boundary_alignment: precision.and_then(|p| lengths.alignment(p, contact)),
             partuv_angular: partuv::angular(maps()),
             partuv_area: partuv::area(maps(), charts().map(|c| self.maps(c).collect())),
-            paper_conformality: paper::conformality(maps()),
-            paper_internal_consistency: self.consistency(level),
-            paper_boundary_compactness: self.isoperimetric(level).map(|isoperimetric| {
-                PaperBoundaryCompactness { seam_boundary_overlap: lengths.overlap(), isoperimetric }
-            }),
-            paper_texture_distortion: at_scale(&|s2| paper::texture_distortion(maps(), s2)),
-            paper_mean_texture_error: at_scale(&|s2| paper::mean_texture_error(maps(), s2)),
-            paper_chamfer: self
-                .over_charts(level, |c| self.input.chamfer.get(c).copied().flatten()),
-            paper_total_seam_length: seam_length.map(|l| l.per_diagonal),
-            paper_seam_count: seams.curves,
-            paper_island_count: level.charts.len() as u64,
-            paper_boundary_alignment_score: precision,
+            paper: PaperFigures {
+                conformality: paper::conformality(maps()),
+                internal_consistency: self.consistency(level),
+                boundary_compactness: self.isoperimetric(level).map(|isoperimetric| {
+                    PaperBoundaryCompactness {
+                        seam_boundary_overlap: lengths.overlap(),
+                        isoperimetric,
+                    }
+                }),
+                texture_distortion: at_scale(&|s2| paper::texture_distortion(maps(), s2)),
+                mean_texture_error: at_scale(&|s2| paper::mean_texture_error(maps(), s2)),
+                chamfer: self.over_charts(level, |c| self.input.chamfer.get(c).copied().flatten()),
+                total_seam_length: seam_length.map(|l| l.per_diagonal),
+                seam_count: seams.curves,
+                island_count: level.charts.len() as u64,
+                boundary_alignment_score: precision,
+            },
         }
     }
 

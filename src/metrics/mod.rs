@@ -11,6 +11,7 @@ mod edges;
 mod figures;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod instances;
 mod levels;
 mod packing;
 mod paper;
@@ -24,5 +25,6 @@ mod tests;
 pub use curvature::developable;
 pub use edges::{EdgeTable, places};
 pub use figures::{Measured, MeasuredFigures, measure};
+pub use instances::transformed_dirichlet;
 pub use packing::packing_efficiency;
 pub use stretch::FaceMap;

@@ -64,15 +64,15 @@ fn a_square_has_no_distortion_and_no_seam() {
         near(f.texel_density.map(|x| x.cv), 0.0, 1e-7);
         near(f.partuv_angular, 1.0, 1e-9);
         near(f.partuv_area.map(|x| x.worst_chart), 1.0, 1e-9);
-        near(f.paper_conformality.map(|x| x.worst_rotation), 0.0, 1e-9);
-        near(f.paper_internal_consistency.map(|x| x.geodesic), 0.0, 1e-12);
-        near(f.paper_internal_consistency.map(|x| x.euclidean), 0.0, 1e-12);
-        near(f.paper_boundary_compactness.map(|x| x.isoperimetric), PI / 4.0, 1e-9);
-        near(f.paper_texture_distortion, 0.0, 1e-9);
-        near(f.paper_mean_texture_error, 0.0, 1e-9);
-        near(f.paper_total_seam_length, 0.0, 0.0);
-        assert_eq!((f.seam_edges, f.paper_seam_count, f.paper_island_count), (0, 0, 1));
-        assert_eq!((f.boundary_alignment, f.avoidable_seam, f.paper_chamfer), (None, None, None));
+        near(f.paper.conformality.map(|x| x.worst_rotation), 0.0, 1e-9);
+        near(f.paper.internal_consistency.map(|x| x.geodesic), 0.0, 1e-12);
+        near(f.paper.internal_consistency.map(|x| x.euclidean), 0.0, 1e-12);
+        near(f.paper.boundary_compactness.map(|x| x.isoperimetric), PI / 4.0, 1e-9);
+        near(f.paper.texture_distortion, 0.0, 1e-9);
+        near(f.paper.mean_texture_error, 0.0, 1e-9);
+        near(f.paper.total_seam_length, 0.0, 0.0);
+        assert_eq!((f.seam_edges, f.paper.seam_count, f.paper.island_count), (0, 0, 1));
+        assert_eq!((f.boundary_alignment, f.avoidable_seam, f.paper.chamfer), (None, None, None));
     }
     let packing = packing_efficiency(&input, 512 * 1024);
     near(packing.covered, 1.0, 1e-9);
@@ -89,15 +89,15 @@ fn a_double_stretch_is_seen_as_one() {
     near(f.stretch_l2, 1.25f64.sqrt(), 1e-9);
     near(f.stretch_linf, 2f64.sqrt(), 1e-9);
     near(f.partuv_angular, 1.0, 1e-9);
-    near(f.paper_conformality.map(|x| x.shipped), 0.0, 1e-9);
-    near(f.paper_conformality.map(|x| x.worst_rotation), 0.6, 1e-9);
+    near(f.paper.conformality.map(|x| x.shipped), 0.0, 1e-9);
+    near(f.paper.conformality.map(|x| x.worst_rotation), 0.6, 1e-9);
     let (a, b) = (2f64.sqrt() - 1.0, 1.0 - 0.5f64.sqrt());
-    near(f.paper_texture_distortion, 0.5 * (a + b), 1e-9);
-    near(f.paper_mean_texture_error, a.hypot(b), 1e-9);
+    near(f.paper.texture_distortion, 0.5 * (a + b), 1e-9);
+    near(f.paper.mean_texture_error, a.hypot(b), 1e-9);
     // Turned by 45°, the axes are seen as they are.
     let turned = uvs(&p, |[u, v]| [0.5 * u - 0.25 * v + 0.3, 0.5 * u + 0.25 * v]);
     let t = one_chart(&s, &turned).atlas;
-    near(t.paper_conformality.map(|x| x.shipped), 0.6, 1e-5);
+    near(t.paper.conformality.map(|x| x.shipped), 0.6, 1e-5);
     near(t.partuv_angular, 0.4, 1e-5);
 }
 
@@ -113,11 +113,11 @@ fn an_unrolled_cylinder_is_isometric_with_one_straight_seam() {
     let f = one_chart(&s, &uvs(&p, |[u, v]| [u, v * 2.0 / around])).atlas;
     near(f.symmetric_dirichlet, 1.0, 1e-9);
     near(f.quasi_conformal.map(|x| x.max), 1.0, 1e-5);
-    assert_eq!((f.seam_edges, f.paper_seam_count), (8, 1));
+    assert_eq!((f.seam_edges, f.paper.seam_count), (8, 1));
     near(f.seam_length.map(|x| x.per_sqrt_area), 2.0 / (around * 2.0).sqrt(), 1e-9);
     near(f.seam_length.map(|x| x.per_diagonal), 2.0 / s.diagonal, 1e-9);
     near(f.avoidable_seam, 1.0, 1e-9);
-    let c = f.paper_internal_consistency.unwrap();
+    let c = f.paper.internal_consistency.unwrap();
     near(c.geodesic, 0.0, 1e-9);
     assert!(c.euclidean > 0.01, "the two sides of the cut are near in 3D only: {c:?}");
 }
@@ -132,7 +132,7 @@ fn a_cube_of_six_charts_is_cut_at_its_twelve_edges() {
     let input = measured(&s, &uv, &sides, &parts, Some(&labels));
     let figures = measure(&input, &Run::quiet()).unwrap();
     let f = &figures.atlas;
-    assert_eq!((f.seam_edges, f.paper_seam_count, f.paper_island_count), (12, 1, 6));
+    assert_eq!((f.seam_edges, f.paper.seam_count, f.paper.island_count), (12, 1, 6));
     near(f.seam_length.map(|x| x.per_sqrt_area), 12.0 / 6f64.sqrt(), 1e-9);
     near(f.seam_length.map(|x| x.per_diagonal), 12.0 / 3f64.sqrt(), 1e-9);
     near(f.avoidable_seam, 0.0, 0.0);
@@ -143,11 +143,11 @@ fn a_cube_of_six_charts_is_cut_at_its_twelve_edges() {
     near(a.recall, 1.0, 1e-9);
     near(a.ceiling, 4.0 / 12.0, 1e-9);
     near(a.f1, 2.0 * a.precision / (1.0 + a.precision), 1e-9);
-    near(f.paper_boundary_alignment_score, a.precision, 0.0);
-    near(f.paper_boundary_compactness.and_then(|x| x.seam_boundary_overlap), 4.0 / 12.0, 1e-9);
+    near(f.paper.boundary_alignment_score, a.precision, 0.0);
+    near(f.paper.boundary_compactness.and_then(|x| x.seam_boundary_overlap), 4.0 / 12.0, 1e-9);
     assert_eq!(figures.parts[0].seam_edges, 4);
     assert_eq!(figures.parts[1].seam_edges, 12);
-    assert_eq!(figures.parts[1].paper_island_count, 5);
+    assert_eq!(figures.parts[1].paper.island_count, 5);
     for chart in &figures.charts {
         assert_eq!(chart.seam_edges, 4);
         near(chart.seam_length.map(|x| x.per_sqrt_area), 4.0, 1e-6);
@@ -160,7 +160,7 @@ fn a_cube_of_six_charts_is_cut_at_its_twelve_edges() {
         let none = vec![label; 12];
         let input = Measured { boundary_labels: Some(&none), ..input };
         let f = measure(&input, &Run::quiet()).unwrap().atlas;
-        assert_eq!((f.boundary_alignment, f.paper_boundary_alignment_score), (None, None));
+        assert_eq!((f.boundary_alignment, f.paper.boundary_alignment_score), (None, None));
     }
 }
 
@@ -288,7 +288,7 @@ fn scales_that_differ_between_charts_are_seen_globally_only() {
     near(f.charts[0].area_distortion.map(|x| x.mean), scale / 0.25, 1e-5);
     near(f.charts[0].area_distortion_chart.map(|x| x.mean), 1.0, 1e-5);
     assert!(f.atlas.symmetric_dirichlet.unwrap() > 1.1);
-    assert!(f.atlas.paper_internal_consistency.unwrap().geodesic > 0.01);
+    assert!(f.atlas.paper.internal_consistency.unwrap().geodesic > 0.01);
 }
 
 #[test]
@@ -299,7 +299,7 @@ fn faces_without_chart_or_area_count_for_nothing() {
     let f = measure(&measured(&s, &uv, &[0, 0, 0, NONE], &[0, 0, 0, NONE], None), &Run::quiet());
     let f = f.unwrap().atlas;
     near(f.symmetric_dirichlet, 1.0, 1e-12);
-    assert_eq!((f.seam_edges, f.paper_island_count), (0, 1));
+    assert_eq!((f.seam_edges, f.paper.island_count), (0, 1));
     // A collapsed face is "100 or worse", and leaves inverse powers alone.
     uv[2] = [[0.5, 0.5]; 3];
     let f = one_chart(&s, &uv).atlas;
@@ -318,9 +318,9 @@ fn trained_charts_alone_have_a_chamfer_distance() {
     let chamfer = [Some(0.02), None, Some(0.04), None, None, None];
     let input = Measured { chamfer: &chamfer, ..measured(&s, &uv, &sides, &[0; 12], None) };
     let f = measure(&input, &Run::quiet()).unwrap();
-    near(f.atlas.paper_chamfer, 0.03, 1e-12);
-    near(f.charts[2].paper_chamfer, 0.04, 0.0);
-    assert_eq!(f.charts[1].paper_chamfer, None);
+    near(f.atlas.paper.chamfer, 0.03, 1e-12);
+    near(f.charts[2].paper.chamfer, 0.04, 0.0);
+    assert_eq!(f.charts[1].paper.chamfer, None);
 }
 
 #[test]

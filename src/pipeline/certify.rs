@@ -285,8 +285,8 @@ mod tests {
     fn the_classical_islands_of_a_chart_have_its_faces() {
         let run = Run::quiet();
         let text = scenes::sheet(6, |x, y| 0.8 * (x + 0.3 * y).sin());
-        let (_, solvers, charts) = scenes::cut(&text, &scenes::options(), &run);
-        for mapped in charts.into_iter().map(Mapped::from_cut) {
+        let (_, solvers, cut) = scenes::cut(&text, &scenes::options(), &run);
+        for mapped in cut.charts.into_iter().map(Mapped::from_cut) {
             let (part, mut faces) = (mapped.chart.part, mapped.chart.faces.clone());
             for island in classical(mapped).unwrap() {
                 assert_eq!((island.chart.part, island.form), (part, ChartForm::Uvunwrap));

@@ -1,105 +1,193 @@
-//! The cut, and `max_charts`: where there are more charts than asked for, the distortion bound is
-//! raised step by step. Validity comes first: the aim may be missed, and then a warning says so.
+//! The cut, and `max_charts`: where there are more charts than asked for, first the borders give way that
+//! only the network or the geometry draws between parts, the least certain first; then the distortion
+//! bound is raised step by step. Validity comes first: the aim may be missed, and then a warning says why.
 
 use super::engine::Engine;
 use super::error::Cause;
 use super::joint;
-use super::parts::Solvers;
+use super::parts::{Found, Solvers};
+use super::regions::{self, Regions};
 use crate::charts::{self, Chart, ChartOptions, Orders};
 use crate::contract::{
     GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions, WarningCode,
 };
+use crate::mesh::{DisjointSets, NONE, Surface};
 
-/// Times that the bound may be raised.
+/// Times that the bound may be raised, and that the number of borders which give way is halved.
 const ROUNDS: u32 = 5;
 
-/// By how much, each time.
+/// By how much the bound is raised, each time.
 const RAISE: f64 = 3.0;
 
 /// The charts, and what training their seams was worth, where it was tried.
+#[derive(Debug, Clone)]
 pub struct Cut {
-    /// The charts.
+    /// The charts. `Chart::part` is the region's number.
     pub charts: Vec<Chart>,
+    /// What they do not cross.
+    pub regions: Regions,
     /// How the two ways of joining compared.
     pub joint_seams: Option<JointSeams>,
 }
 
-/// Cut the parts into charts. `Chart::part` is the region's number here.
+/// Cut the parts into charts.
 pub fn cut(
+    found: &Found,
     solvers: &Solvers,
     options: &UnwrapOptions,
     engine: &Engine,
     run: &Run,
 ) -> Result<Cut, Cause> {
     run.stage(Stage::Charts)?;
-    let mut how = ChartOptions::from(options);
+    let how = ChartOptions::from(options);
+    let regions = regions::divide(found, options.atlas);
     // Seams are trained once: a second training would find the time of the first spent.
     let openness = match options.quality {
         Quality::Best if run.is_late(Stage::Segment) => {
             run.give_up(Stage::Charts, GaveUp::JointSeams, Scarce::Time);
             None
         }
-        Quality::Best => Some(joint::openness(solvers, &how, options, engine, run)?),
+        Quality::Best => {
+            Some(joint::openness(solvers, &regions.of_face, &how, options, engine, run)?)
+        }
         _ => None,
     };
-    let mut cut = attempt(solvers, &how, openness.as_deref(), run)?;
-    let Some(most) = options.max_charts.map(|m| m as usize) else { return Ok(cut) };
-    for _ in 0..ROUNDS {
-        if cut.charts.len() <= most {
-            return Ok(cut);
-        }
-        if run.skips(Stage::Charts, GaveUp::Joining) {
-            break;
-        }
-        how.distortion_bound *= RAISE;
-        let fewer = attempt(solvers, &how, openness.as_deref(), run)?;
-        if fewer.charts.len() < cut.charts.len() {
-            cut = fewer;
-        }
+    let cutter = Cutter { solvers, openness: openness.as_deref(), run };
+    let first = cutter.cut(&regions, &how)?;
+    match options.max_charts.map(|most| most as usize) {
+        Some(most) if first.charts.len() > most => cutter.fewer(found, first, how, most),
+        _ => Ok(first),
     }
-    if cut.charts.len() > most {
-        let message = format!(
-            "the object needs {} charts and max_charts is {most}: each disconnected part needs one",
-            cut.charts.len()
-        );
-        run.warn(WarningCode::MaxChartsMissed, message);
-    }
-    Ok(cut)
 }
 
-/// One cut; `openness` is what soft maps have left open, where seams were trained.
-fn attempt(
-    solvers: &Solvers,
-    how: &ChartOptions,
-    openness: Option<&[f32]>,
-    run: &Run,
-) -> Result<Cut, Cause> {
-    let (surface, regions) = (&solvers.surface, &solvers.regions.of_face);
-    let built = charts::build_jointly(surface, regions, how, openness, run)?;
-    let joint_seams = openness.map(|_| {
-        let kept = |orders: &&Orders| orders.joint < orders.baseline;
-        let sum = |of: fn(&Orders) -> f64| built.orders.iter().map(of).sum::<f64>();
-        let (baseline, best) = (sum(|a| a.baseline), sum(|a| a.baseline.min(a.joint)));
-        JointSeams {
-            pieces: built.orders.len() as u32,
-            kept: built.orders.iter().filter(kept).count() as u32,
-            gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
+/// What every attempt has in common.
+struct Cutter<'a> {
+    solvers: &'a Solvers,
+    /// What soft maps have left open, where seams were trained.
+    openness: Option<&'a [f32]>,
+    run: &'a Run,
+}
+
+impl Cutter<'_> {
+    fn cut(&self, regions: &Regions, how: &ChartOptions) -> Result<Cut, Cause> {
+        let surface = &self.solvers.surface;
+        let built = charts::build_jointly(surface, &regions.of_face, how, self.openness, self.run)?;
+        let joint_seams = self.openness.map(|_| {
+            let kept = |orders: &&Orders| orders.joint < orders.baseline;
+            let sum = |of: fn(&Orders) -> f64| built.orders.iter().map(of).sum::<f64>();
+            let (baseline, best) = (sum(|a| a.baseline), sum(|a| a.baseline.min(a.joint)));
+            JointSeams {
+                pieces: built.orders.len() as u32,
+                kept: built.orders.iter().filter(kept).count() as u32,
+                gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
+            }
+        });
+        Ok(Cut { charts: built.charts, regions: regions.clone(), joint_seams })
+    }
+
+    /// At most `most` charts, or as few as can be.
+    fn fewer(
+        &self,
+        found: &Found,
+        first: Cut,
+        mut how: ChartOptions,
+        most: usize,
+    ) -> Result<Cut, Cause> {
+        let late = || self.run.skips(Stage::Charts, GaveUp::Joining);
+        let joins = regions::giving_way(found);
+        let (mut none, mut all) = (0, joins.len());
+        let parts = first.regions.clone();
+        let mut best = first;
+        if all > 0 && !late() {
+            let without = self.cut(&parts.joined(found, &joins), &how)?;
+            if without.charts.len() <= most {
+                // As many borders stay as can: fewer than `none` joins are too few, `all` are enough.
+                best = without;
+                for _ in 0..ROUNDS {
+                    let half = usize::midpoint(none, all);
+                    if half == none || late() {
+                        break;
+                    }
+                    let cut = self.cut(&parts.joined(found, &joins[..half]), &how)?;
+                    if cut.charts.len() <= most {
+                        (all, best) = (half, cut);
+                    } else {
+                        none = half;
+                    }
+                }
+                return Ok(best);
+            }
+            if without.charts.len() < best.charts.len() {
+                best = without;
+            }
         }
-    });
-    Ok(Cut { charts: built.charts, joint_seams })
+        for _ in 0..ROUNDS {
+            if late() {
+                break;
+            }
+            how.distortion_bound *= RAISE;
+            let fewer = self.cut(&best.regions, &how)?;
+            if fewer.charts.len() < best.charts.len() {
+                best = fewer;
+            }
+            if best.charts.len() <= most {
+                return Ok(best);
+            }
+        }
+        let reason = reason(&self.solvers.surface, &best.regions, how.distortion_bound, most);
+        let reason = match late() {
+            true => "the job's time was too short to look for fewer".to_owned(),
+            false => reason,
+        };
+        let message =
+            format!("there are {} charts and `max_charts` is {most}: {reason}", best.charts.len());
+        self.run.warn(WarningCode::MaxChartsMissed, message);
+        Ok(best)
+    }
+}
+
+/// Why there can be no fewer charts.
+fn reason(surface: &Surface, regions: &Regions, bound: f64, most: usize) -> String {
+    let pieces = |divided: bool| {
+        let of = |f: u32| regions.of_face[f as usize];
+        let mut sets = DisjointSets::new(surface.face_count());
+        for (h, &t) in (0u32..).zip(&surface.twin).filter(|(_, t)| **t != NONE) {
+            let (f, g) = (h / 3, t / 3);
+            if of(f) != NONE && of(g) != NONE && (!divided || of(f) == of(g)) {
+                sets.join(f, g);
+            }
+        }
+        let faces = 0..surface.face_count() as u32;
+        faces.filter(|&f| of(f) != NONE && sets.root(f) == f).count()
+    };
+    let (apart, divided) = (pieces(false), pieces(true));
+    if apart > most {
+        format!("{apart} pieces of the mesh share no edge, and each needs a chart of its own")
+    } else if divided > most {
+        format!(
+            "labels, the file's structure, materials or densities divide it into {divided} pieces, and each \
+             needs a chart of its own"
+        )
+    } else {
+        format!(
+            "it does not open into so few without overlap, or within a `distortion_bound` of {bound:.3}, up to \
+             which it was raised"
+        )
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{Degradation, Progress};
+    use crate::contract::{AtlasGrouping, Degradation, PartJoin, Progress, SegmentationSource};
     use crate::pipeline::scenes;
+    use crate::segmentation::{Part, PartLabels};
 
     /// Hills that need several charts, and what is told of their cut.
     fn hills(max_charts: Option<u32>, run: &Run) -> Vec<Chart> {
         let text = scenes::sheet(10, |x, y| (x + 0.5 * y).sin() + (0.7 * y).cos());
         let options = UnwrapOptions { max_charts, ..scenes::options() };
-        scenes::cut(&text, &options, run).2
+        scenes::cut(&text, &options, run).2.charts
     }
 
     fn warnings(told: &[Progress]) -> Vec<&str> {
@@ -129,19 +217,73 @@ mod tests {
     fn an_aim_that_cannot_be_met_is_told() {
         let (run, told) = scenes::watched();
         let options = UnwrapOptions { max_charts: Some(2), ..scenes::options() };
-        let (_, _, charts) = scenes::cut(&scenes::squares(3), &options, &run);
-        assert_eq!(charts.len(), 3);
+        let (_, _, cut) = scenes::cut(&scenes::squares(3), &options, &run);
+        assert_eq!(cut.charts.len(), 3);
         let told = told.lock().unwrap();
         let [said] = warnings(&told)[..] else { panic!("{told:?}") };
-        assert!(said.contains("needs 3 charts") && said.contains("max_charts is 2"), "{said}");
+        let why = "there are 3 charts and `max_charts` is 2: 3 pieces of the mesh share no edge, and each needs";
+        assert!(said.starts_with(why), "{said}");
+    }
+
+    /// A sheet of 2 × 8 cells in four parts of two cells' width each, drawn by `source`, less certain from left
+    /// to right, and what is told of its cut.
+    fn striped(source: SegmentationSource, max_charts: u32, run: &Run) -> (Found, Cut) {
+        let text = scenes::sheet(8, |_, _| 0.0);
+        let options = UnwrapOptions { max_charts: Some(max_charts), ..scenes::options() };
+        let (mut found, solvers) = scenes::found(&text, &options, run);
+        let part =
+            |id| Part { id, name: id.to_string(), source, confidence: 0.9, name_confidence: None };
+        let join = |(a, b, boundary)| PartJoin { a, b, boundary };
+        found.parts = PartLabels {
+            labels: (0..128).map(|f| f / 2 % 8 / 2).collect(),
+            parts: (0..4).map(part).collect(),
+            joins: [(2, 3, 0.6), (1, 2, 0.7), (0, 1, 0.8)].map(join).to_vec(),
+        };
+        found.densities = vec![1.0; 4];
+        let cut = cut(&found, &solvers, &options, &scenes::engine(), run).unwrap();
+        (found, cut)
+    }
+
+    #[test]
+    fn borders_that_only_the_network_draws_give_way_the_least_certain_first() {
+        for (most, own) in [(4, [0, 1, 2, 3]), (3, [0, 1, 2, 2]), (2, [0, 1, 1, 1]), (1, [0; 4])] {
+            let (run, told) = scenes::watched();
+            let cut = striped(SegmentationSource::Learned, most, &run).1;
+            assert_eq!(cut.charts.len(), most as usize);
+            assert_eq!([0, 4, 8, 12].map(|f| cut.regions.of_face[f]), own);
+            assert!(warnings(&told.lock().unwrap()).is_empty());
+        }
+    }
+
+    #[test]
+    fn borders_that_were_given_stay_and_are_the_reason() {
+        let (run, told) = scenes::watched();
+        let cut = striped(SegmentationSource::Labels, 2, &run).1;
+        assert_eq!(cut.charts.len(), 4);
+        let told = told.lock().unwrap();
+        let [said] = warnings(&told)[..] else { panic!("{told:?}") };
+        assert!(said.contains("divide it into 4 pieces"), "{said}");
+    }
+
+    #[test]
+    fn what_does_not_open_is_told_as_that() {
+        // A sphere in one chart would have to be folded, whatever the bound.
+        let (run, told) = scenes::watched();
+        let options = UnwrapOptions { max_charts: Some(1), ..scenes::options() };
+        let (_, _, cut) = scenes::cut(&scenes::sphere(12), &options, &run);
+        if cut.charts.len() > 1 {
+            let told = told.lock().unwrap();
+            let [said] = warnings(&told)[..] else { panic!("{told:?}") };
+            assert!(said.contains("does not open into so few"), "{said}");
+        }
     }
 
     #[test]
     fn without_time_seams_are_not_trained() {
         let run = scenes::late(30);
-        let (_, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
+        let (found, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let options = UnwrapOptions { quality: Quality::Best, ..scenes::options() };
-        let cut = cut(&solvers, &options, &scenes::engine(), &run).unwrap();
+        let cut = cut(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
         assert_eq!(cut.joint_seams, None);
         let seams =
             Degradation { stage: Stage::Charts, gave_up: GaveUp::JointSeams, scarce: Scarce::Time };
@@ -151,14 +293,18 @@ mod tests {
     #[test]
     fn an_order_that_changes_nothing_gains_nothing() {
         let run = Run::quiet();
-        let (_, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
+        let (found, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let how = ChartOptions::from(&scenes::options());
-        let baseline = attempt(&solvers, &how, None, &run).unwrap();
+        let regions = regions::divide(&found, AtlasGrouping::Scene);
+        let attempt = |openness: Option<&[f32]>| {
+            Cutter { solvers: &solvers, openness, run: &run }.cut(&regions, &how).unwrap()
+        };
+        let baseline = attempt(None);
         assert_eq!(baseline.joint_seams, None);
         // All edges alike, and nothing known of any.
         for (open, pieces, gain) in [(0.5, 1, Some(0.0)), (f32::NAN, 0, None)] {
             let openness = vec![open; solvers.surface.twin.len()];
-            let cut = attempt(&solvers, &how, Some(&openness), &run).unwrap();
+            let cut = attempt(Some(&openness));
             assert_eq!(cut.joint_seams, Some(JointSeams { pieces, kept: 0, gain }));
             assert_eq!(cut.charts, baseline.charts);
         }
@@ -169,10 +315,10 @@ mod tests {
         let run = Run::quiet();
         // A cube, and two squares that leave nothing to choose.
         let text = scenes::and_a_cube(&scenes::squares(2), 8);
-        let (_, solvers) = scenes::found(&text, &scenes::options(), &run);
+        let (found, solvers) = scenes::found(&text, &scenes::options(), &run);
         let with = |quality| {
             let options = UnwrapOptions { quality, steps: 2, ..scenes::options() };
-            cut(&solvers, &options, &scenes::engine(), &run).unwrap().joint_seams
+            cut(&found, &solvers, &options, &scenes::engine(), &run).unwrap().joint_seams
         };
         assert_eq!(with(Quality::Balanced), None);
         assert_eq!(with(Quality::Best).map(|seams| seams.pieces), Some(1));

@@ -37,8 +37,13 @@ mod tests {
     /// Parts 0 to 3: a seat, two legs of one name, and one whose name is the number of another.
     fn parts() -> Vec<Part> {
         let source = SegmentationSource::Authored;
-        let part =
-            |(id, name): (u32, &str)| Part { id, name: name.into(), source, confidence: 1.0 };
+        let part = |(id, name): (u32, &str)| Part {
+            id,
+            name: name.into(),
+            source,
+            confidence: 1.0,
+            name_confidence: None,
+        };
         (0..).zip(["seat", "leg", "leg", "0"]).map(part).collect()
     }
 

@@ -15,7 +15,7 @@ pub fn admit(scene: &Scene, options: &UnwrapOptions, run: &Run) -> Result<(), Ca
     run.budget.hold(required_bytes(faces, options)).map_err(|need| {
         Cause::OutOfMemory(format!(
             "{faces} triangles on pages of {} texels need about {need} MiB and the job may use {} MiB: raise \
-             budget_mib, or send a mesh with fewer triangles",
+             `budget_mib`, or simplify the mesh",
             options.page_size,
             run.budget.memory_mib()
         ))

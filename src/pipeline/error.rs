@@ -130,7 +130,7 @@ impl Cause {
             (Self::Canceled, Some((_, fraction, spent))) => {
                 let whole = ROOM * spent / fraction.max(0.01);
                 Self::TimedOut(format!(
-                    "the job's time (budget_s) was over after {spent:.1} s in the stage {}, with {:.0} % of \
+                    "the job's time (`budget_s`) was over after {spent:.1} s in the stage {}, with {:.0} % of \
                      its work done: about {:.0} s would do",
                     stage.as_str(),
                     100.0 * fraction,

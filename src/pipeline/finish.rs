@@ -9,6 +9,7 @@ use super::certify::{self, Scale};
 use super::error::Cause;
 use super::maps::Mapped;
 use super::parts::{Found, Solvers};
+use super::regions::Regions;
 use crate::atlas::{self, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use crate::charts::{self, ChartOptions};
 use crate::contract::{Certificate, DoubleSided, OptionError, Run, Stage, UnwrapOptions};
@@ -44,11 +45,12 @@ pub struct CertifiedAtlas {
 pub fn pack_and_certify(
     found: &Found,
     solvers: &Solvers,
+    regions: &Regions,
     charts: Vec<Mapped>,
     options: &UnwrapOptions,
     run: &Run,
 ) -> Result<CertifiedAtlas, Cause> {
-    let placing = |charts, padding| place(found, solvers, charts, options, padding, run);
+    let placing = |charts, padding| place(found, regions, charts, options, padding, run);
     settle(&solvers.surface, charts, options, run, placing)
 }
 
@@ -95,8 +97,8 @@ fn settle(
         }
     }
     Err(Cause::NotCertified(format!(
-        "no valid atlas was found: {fault}. Give it a larger page_size, densities nearer to each other, or a \
-         smaller padding"
+        "no valid atlas was found: {fault}. Give it a larger `page_size`, densities nearer to each other, or a \
+         smaller `padding`"
     )))
 }
 
@@ -121,13 +123,12 @@ struct Packed {
 /// Pack each page's charts, round, certify.
 fn place(
     found: &Found,
-    solvers: &Solvers,
+    regions: &Regions,
     charts: Vec<Mapped>,
     options: &UnwrapOptions,
     padding: u32,
     run: &Run,
 ) -> Result<Packed, Cause> {
-    let regions = &solvers.regions;
     let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, mapped) in charts.iter().enumerate() {
         groups.entry(regions.atlas[mapped.chart.part as usize]).or_default().push(i);
@@ -187,14 +188,14 @@ mod tests {
     fn a_gutter_that_is_too_thin_is_packed_anew_with_a_texel_more() {
         let run = Run::quiet();
         let options = UnwrapOptions { padding: 6, ..scenes::options() };
-        let (found, solvers, charts) = scenes::cut(&scenes::squares(2), &options, &run);
+        let (found, solvers, cut) = scenes::cut(&scenes::squares(2), &options, &run);
         let mut asked = Vec::new();
         let placing = |charts, padding| {
             asked.push(padding);
             let given = if asked.len() == 1 { 1 } else { padding };
-            place(&found, &solvers, charts, &options, given, &run)
+            place(&found, &cut.regions, charts, &options, given, &run)
         };
-        let charts = maps::untrained(charts);
+        let charts = maps::untrained(cut.charts);
         let atlas = settle(&solvers.surface, charts, &options, &run, placing).unwrap();
         assert_eq!(asked, [6, 7]);
         assert!(atlas.certificates.atlas.valid);
@@ -204,15 +205,15 @@ mod tests {
     #[test]
     fn an_atlas_that_stays_invalid_is_an_error() {
         let (options, run) = (scenes::options(), Run::quiet());
-        let (found, solvers, charts) = scenes::cut(scenes::CUBE, &options, &run);
+        let (found, solvers, cut) = scenes::cut(scenes::CUBE, &options, &run);
         let mut rounds = 0;
         let placing = |charts, padding| {
             rounds += 1;
-            let mut packed = place(&found, &solvers, charts, &options, padding, &run)?;
+            let mut packed = place(&found, &cut.regions, charts, &options, padding, &run)?;
             blame(&mut packed, 0);
             Ok(packed)
         };
-        let charts = maps::untrained(charts);
+        let charts = maps::untrained(cut.charts);
         let error = settle(&solvers.surface, charts, &options, &run, placing).err().unwrap();
         assert_eq!(rounds, ROUNDS);
         assert!(error.to_string().contains("1 flipped faces"), "{error}");
@@ -230,11 +231,11 @@ mod tests {
     /// 0 is at fault: as a whole, or for this face alone. The last of them are the result's.
     fn rounds(faulty: usize, lose: bool) -> Vec<Vec<Mapped>> {
         let (options, run) = (scenes::options(), Run::quiet());
-        let (found, solvers, charts) = scenes::cut(&scenes::sheet(4, |_, _| 0.0), &options, &run);
+        let (found, solvers, cut) = scenes::cut(&scenes::sheet(4, |_, _| 0.0), &options, &run);
         let mut rounds: Vec<Vec<Mapped>> = Vec::new();
         let placing = |charts: Vec<Mapped>, padding| {
             rounds.push(charts.clone());
-            let mut packed = place(&found, &solvers, charts, &options, padding, &run)?;
+            let mut packed = place(&found, &cut.regions, charts, &options, padding, &run)?;
             if rounds.len() <= faulty {
                 let charts = &packed.atlas.charts;
                 let at = charts.iter().position(|m| m.chart.faces[0] == 0).unwrap();
@@ -243,7 +244,7 @@ mod tests {
             }
             Ok(packed)
         };
-        let charts = maps::untrained(charts);
+        let charts = maps::untrained(cut.charts);
         let atlas = settle(&solvers.surface, charts, &options, &run, placing).unwrap();
         assert!(atlas.certificates.atlas.valid);
         assert_eq!(rounds.len(), faulty + 1);

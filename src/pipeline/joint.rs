@@ -24,9 +24,10 @@ const TRAINED: f64 = 0.5;
 const HALF_OPEN: f64 = 0.05;
 
 /// How far a soft map has left each half-edge of the surface open, 0 to 1; NaN where there was nothing to
-/// choose, or too much.
+/// choose, or too much. `regions`: what charts may not cross, of each face.
 pub fn openness(
     solvers: &Solvers,
+    regions: &[u32],
     cut: &ChartOptions,
     options: &UnwrapOptions,
     engine: &Engine,
@@ -34,7 +35,7 @@ pub fn openness(
 ) -> Result<Vec<f32>, Cause> {
     let surface = &solvers.surface;
     let mut openness = vec![f32::NAN; surface.twin.len()];
-    let parts = charts::over_cut(surface, &solvers.regions.of_face, cut, MOST_VERTICES, run)?;
+    let parts = charts::over_cut(surface, regions, cut, MOST_VERTICES, run)?;
     if parts.is_empty() {
         return Ok(openness);
     }
@@ -82,15 +83,18 @@ fn radius(part: &OverCutPart) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contract::AtlasGrouping;
     use crate::mesh::NONE;
-    use crate::pipeline::scenes;
+    use crate::pipeline::{regions, scenes};
 
     fn open(text: &str, steps: u32) -> (Solvers, Vec<f32>) {
         let run = Run::quiet();
-        let (_, solvers) = scenes::found(text, &scenes::options(), &run);
+        let (found, solvers) = scenes::found(text, &scenes::options(), &run);
+        let regions = regions::divide(&found, AtlasGrouping::Scene).of_face;
         let options = UnwrapOptions { steps, points: 64, ..scenes::options() };
         let cut = ChartOptions::from(&options);
-        let openness = openness(&solvers, &cut, &options, &scenes::engine(), &run).unwrap();
+        let openness =
+            openness(&solvers, &regions, &cut, &options, &scenes::engine(), &run).unwrap();
         (solvers, openness)
     }
 

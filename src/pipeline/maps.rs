@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::engine::Engine;
 use super::error::Cause;
+use super::membership::Membership;
 use super::neural;
 use super::parts::{Found, Solvers};
 use crate::charts::{self, Chart};
@@ -78,7 +79,8 @@ pub fn trained(
     run: &Run,
 ) -> Result<Vec<Mapped>, Cause> {
     run.stage(Stage::Train)?;
-    let part = |chart: &Chart| solvers.regions.part[chart.part as usize];
+    // Most charts are of one part: that of their first face.
+    let part = |chart: &Chart| chart.faces.first().map_or(0, |&f| found.parts.labels[f as usize]);
     let chosen = neural::choose(&charts, options, run);
     let inputs = neural::inputs(solvers, &charts, &chosen);
     let parts = found.parts.parts.len() as u32;
@@ -114,19 +116,21 @@ pub fn trained(
         })
         .collect();
     let mapped = mapped?;
-    tell_parts(found, solvers, &mapped, run);
     Ok(mapped)
 }
 
 /// Tell that each part has its charts, and how distorted they are.
-fn tell_parts(found: &Found, solvers: &Solvers, mapped: &[Mapped], run: &Run) {
+pub fn tell_parts(found: &Found, mapped: &[Mapped], run: &Run) {
     let mut sums: BTreeMap<u32, (u32, f64, f64)> = BTreeMap::new();
-    for m in mapped {
-        let area = m.chart.disk.area();
-        let entry = sums.entry(solvers.regions.part[m.chart.part as usize]).or_default();
+    let energy = |m: &Mapped| flatten::quality(&m.chart.disk, &m.uv).mean;
+    let energies: Vec<f64> = mapped.iter().map(energy).collect();
+    for (chart, part, area) in Membership::new(found, mapped).areas() {
+        let entry = sums.entry(part).or_default();
+        // A sheet that carries the coordinates of the other side is as distorted as that one.
+        let weight = area.max(f64::MIN_POSITIVE);
         entry.0 += 1;
-        entry.1 += area * flatten::quality(&m.chart.disk, &m.uv).mean;
-        entry.2 += area;
+        entry.1 += weight * energies[chart as usize];
+        entry.2 += weight;
     }
     for (part, (charts, energy, area)) in sums {
         let name = found.parts.parts[part as usize].name.clone();
@@ -353,8 +357,10 @@ mod tests {
         let options = scenes::options();
         let text =
             scenes::squares(2) + "v 9 0 0\nv 10 0 0\nv 10 1 1\nv 9 1 0\nf 9 10 11\nf 9 11 12\n";
-        let (found, solvers, charts) = scenes::cut(&text, &options, &run);
+        let (found, solvers, cut) = scenes::cut(&text, &options, &run);
+        let charts = cut.charts;
         let mapped = trained(&found, &solvers, charts, &options, &scenes::engine(), &run).unwrap();
+        tell_parts(&found, &mapped, &run);
         let told = told.lock().unwrap();
         let parts = told.iter().filter_map(|p| match p {
             Progress::PartCompleted { part, name, charts, symmetric_dirichlet } => {

@@ -7,6 +7,7 @@
 
 mod certify;
 mod charting;
+mod choice;
 mod densities;
 mod effort;
 mod engine;
@@ -15,8 +16,11 @@ mod extras;
 mod faces;
 mod finish;
 mod input;
+mod instances;
 mod joint;
+mod json;
 mod maps;
+mod membership;
 mod neural;
 mod parts;
 mod regions;
@@ -25,6 +29,7 @@ mod result;
 #[cfg(test)]
 mod scenes;
 mod sheets;
+mod summary;
 
 pub use crate::segmentation::Weights;
 pub use effort::required_bytes;
@@ -33,7 +38,7 @@ pub use error::{Cause, UnwrapError};
 pub use input::{Input, InputFile};
 pub use result::{Artifact, Unwrapped};
 
-use crate::contract::{Limits, Progress, Run, Stage, StopAfter, UnwrapOptions};
+use crate::contract::{Limits, Progress, Run, Stage, StopAfter, UnwrapOptions, WarningCode};
 use crate::mesh::{self, Scene};
 
 /// Import and unwrap.
@@ -78,6 +83,19 @@ fn import(input: &Input, limits: &Limits, run: &Run) -> Result<Scene, Cause> {
     Ok(scene)
 }
 
+/// Tell that textures no longer fit, where the coordinates that they are drawn through are replaced.
+fn warn_of_textures(scene: &Scene, options: &UnwrapOptions, run: &Run) {
+    let set = options.uv_channel;
+    let ends_before = options.stop_after == Some(StopAfter::Segmentation);
+    if !ends_before && scene.texture_sets.contains(&u64::from(set)) {
+        let message = format!(
+            "textures are drawn through TEXCOORD_{set}, which is replaced: they stay as they are and no \
+             longer fit. Another `uv_channel` leaves them as they were"
+        );
+        run.warn(WarningCode::Textured, message);
+    }
+}
+
 /// Everything behind the import.
 fn stages(
     scene: &Scene,
@@ -86,15 +104,31 @@ fn stages(
     run: &Run,
 ) -> Result<Unwrapped, Cause> {
     effort::admit(scene, options, run)?;
+    warn_of_textures(scene, options, run);
     let (found, solvers) = parts::find(scene, options, engine, run)?;
     if options.stop_after == Some(StopAfter::Segmentation) {
         return report::segmentation_only(scene, &found, engine, run);
     }
-    let cut = charting::cut(&solvers, options, engine, run)?;
-    let mapped = match options.stop_after {
-        Some(StopAfter::Charts) => maps::untrained(cut.charts),
-        _ => maps::trained(&found, &solvers, cut.charts, options, engine, run)?,
-    };
-    let finished = finish::pack_and_certify(&found, &solvers, mapped, options, run)?;
-    report::whole(scene, &found, &solvers, &finished, cut.joint_seams, options, engine, run)
+    let (finished, joint_seams) = choice::atlas(&found, &solvers, options, engine, run)?;
+    maps::tell_parts(&found, &finished.charts, run);
+    report::whole(scene, &found, &finished, joint_seams, options, engine, run)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_are_warned_of_where_their_coordinates_are_replaced_and_nowhere_else() {
+        let scene = Scene { texture_sets: vec![0, 2], ..Default::default() };
+        let told = |uv_channel, stop_after| {
+            let (run, told) = scenes::watched();
+            let options = UnwrapOptions { uv_channel, stop_after, ..Default::default() };
+            warn_of_textures(&scene, &options, &run);
+            told.lock().unwrap().len()
+        };
+        assert_eq!([0, 1, 2, 3].map(|channel| told(channel, None)), [1, 0, 1, 0]);
+        assert_eq!(told(0, Some(StopAfter::Charts)), 1);
+        assert_eq!(told(0, Some(StopAfter::Segmentation)), 0, "no coordinates are written");
+    }
 }

@@ -232,9 +232,11 @@ mod tests {
         let segmentation = crate::contract::SegmentationSource::Labels;
         let options = UnwrapOptions { segmentation, ..scenes::options() };
         let (engine, run) = (scenes::engine(), Run::quiet());
-        let (_, solvers) = crate::pipeline::parts::find(&scene, &options, &engine, &run).unwrap();
-        let charts =
-            crate::pipeline::charting::cut(&solvers, &options, &engine, &run).unwrap().charts;
+        let (found, solvers) =
+            crate::pipeline::parts::find(&scene, &options, &engine, &run).unwrap();
+        let charts = crate::pipeline::charting::cut(&found, &solvers, &options, &engine, &run)
+            .unwrap()
+            .charts;
         let all: Vec<usize> = (0..charts.len()).collect();
         for (told, chart) in inputs(&solvers, &charts, &all).iter().zip(&charts) {
             assert_eq!(told.id, u64::from(chart.faces[0]));

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use super::densities::densities;
 use super::engine::Engine;
 use super::error::Cause;
-use super::regions::{self, Regions};
 use super::sheets;
-use crate::contract::{DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions};
-use crate::mesh::{self, Scene, Surface};
+use crate::contract::{
+    DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions, WarningCode,
+};
+use crate::mesh::{self, ImportError, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels, SegmentOptions};
 
@@ -27,8 +28,7 @@ pub struct Found {
     pub densities: Vec<f64>,
 }
 
-/// What the solvers see: the surface that is cut and flattened, its samples, and what charts may not
-/// cross on it.
+/// What the solvers see: the surface that is cut and flattened, its samples, and the parts on it.
 pub struct Solvers {
     /// The surface.
     pub surface: Arc<Surface>,
@@ -36,8 +36,6 @@ pub struct Solvers {
     pub cloud: PointCloud,
     /// Part of each face, or [`NONE`](mesh::NONE).
     pub part_of: Vec<u32>,
-    /// What charts may not cross.
-    pub regions: Regions,
 }
 
 /// Condition, sample, segment.
@@ -49,6 +47,8 @@ pub fn find(
 ) -> Result<(Found, Solvers), Cause> {
     run.stage(Stage::Condition)?;
     let surface = Arc::new(mesh::condition(scene, run)?);
+    check_area(&surface)?;
+    warn_of_faults(&surface, run);
     run.stage(Stage::Sample)?;
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
@@ -68,10 +68,53 @@ pub fn find(
         parts,
         sources,
     };
-    let regions = regions::divide(&found, options.atlas);
     let part_of = found.parts.labels.clone();
     run.parts(0, found.parts.parts.len() as u32);
-    Ok((found, Solvers { surface, cloud, part_of, regions }))
+    Ok((found, Solvers { surface, cloud, part_of }))
+}
+
+/// An error where no face has area: there is nothing to unwrap.
+fn check_area(surface: &Surface) -> Result<(), ImportError> {
+    if surface.usable.contains(&true) {
+        return Ok(());
+    }
+    let count = surface.face_count();
+    let first = surface.origins.first().map_or_else(String::new, |origin| {
+        let name = surface.names.get(origin.primitive as usize).filter(|name| !name.is_empty());
+        let of = name.map_or_else(String::new, |name| format!(" of {name:?}"));
+        format!(", the first is face {}{of}", origin.index)
+    });
+    Err(ImportError::Invalid(format!(
+        "none of the mesh's {count} faces has an area{first}: its corners are in one place or on one line. \
+         Repair the mesh"
+    )))
+}
+
+/// Share of faces that are wound against their neighbours, or stand more than once, from which on it is told.
+const TOLD: f64 = 0.02;
+
+/// Tell what tears charts apart, and how to mend it.
+fn warn_of_faults(surface: &Surface, run: &Run) {
+    let faces = surface.face_count();
+    let told = |count: u64| count as f64 >= TOLD * faces as f64 && count > 0;
+    let copies = surface.repairs.duplicate_faces;
+    if told(copies) {
+        // Copies make windings disagree: they are the cause that can be mended.
+        let message = format!(
+            "{copies} of {faces} faces stand where another does already, and each copy gets a place of its own: \
+             delete duplicate faces in your tool and unwrap it again"
+        );
+        run.warn(WarningCode::DuplicateFaces, message);
+        return;
+    }
+    let turned = surface.repairs.reoriented_faces;
+    if told(turned) {
+        let message = format!(
+            "{turned} of {faces} faces are wound against their neighbours, and charts end where the winding \
+             changes: recalculate the normals in your tool and unwrap it again"
+        );
+        run.warn(WarningCode::MixedWindings, message);
+    }
 }
 
 /// The segmentation that there is time for: without the network parts are the file's own.
@@ -86,11 +129,44 @@ fn affordable(asked: SegmentOptions, surface: &Surface, run: &Run) -> SegmentOpt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{AtlasGrouping, Degradation};
-    use crate::pipeline::scenes;
+    use crate::contract::{AtlasGrouping, Degradation, ErrorCode};
+    use crate::pipeline::{regions, scenes};
 
     fn asked(segmentation: SegmentationSource) -> UnwrapOptions {
         UnwrapOptions { segmentation, ..scenes::options() }
+    }
+
+    #[test]
+    fn a_mesh_without_area_is_refused_with_its_first_face() {
+        let flat = "o wire\nv 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n";
+        let run = Run::quiet();
+        let error = find(&scenes::scene(flat), &scenes::options(), &scenes::engine(), &run);
+        let error = error.err().unwrap().of(&run).job_error().unwrap();
+        assert_eq!(error.code, ErrorCode::InvalidMesh);
+        let said = "none of the mesh's 2 faces has an area, the first is face 0 of \"wire\"";
+        assert!(error.message.starts_with(said), "{}", error.message);
+    }
+
+    #[test]
+    fn turned_faces_and_copies_are_told_where_there_are_many() {
+        let codes = |text: &str| {
+            let run = Run::quiet();
+            scenes::found(text, &scenes::options(), &run);
+            run.warnings().iter().map(|w| w.code).collect::<Vec<_>>()
+        };
+        let sheet = scenes::sheet(10, |_, _| 0.0);
+        let faces: Vec<&str> = sheet.lines().filter(|line| line.starts_with("f ")).collect();
+        assert_eq!(codes(&sheet), []);
+        let turned = sheet.lines().enumerate().map(|(i, line)| {
+            let mut words: Vec<&str> = line.split(' ').collect();
+            if words[0] == "f" && i % 3 == 0 {
+                words[1..].reverse();
+            }
+            words.join(" ") + "\n"
+        });
+        assert_eq!(codes(&turned.collect::<String>()), [WarningCode::MixedWindings]);
+        let copied = format!("{sheet}{}\n", faces[..5].join("\n"));
+        assert_eq!(codes(&copied), [WarningCode::DuplicateFaces]);
     }
 
     #[test]
@@ -143,7 +219,7 @@ mod tests {
             let (found, solvers) =
                 find(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
             assert_eq!(found.parts.parts.len(), 1);
-            assert_eq!(solvers.regions.atlas, atlases);
+            assert_eq!(regions::divide(&found, atlas).atlas, atlases);
             assert_eq!(solvers.part_of, [0, 0]);
         }
     }

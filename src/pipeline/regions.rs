@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 
 use super::parts::Found;
-use crate::contract::{AtlasGrouping, SegmentationSource};
-use crate::mesh::NONE;
+use crate::contract::{AtlasGrouping, PartJoin, SegmentationSource};
+use crate::mesh::{DisjointSets, NONE};
 
 /// Parts below this share of the area are specks.
 const SPECK: f64 = 0.005;
@@ -21,6 +21,40 @@ pub struct Regions {
     pub part: Vec<u32>,
     /// Atlas of each region, from 0.
     pub atlas: Vec<u32>,
+}
+
+impl Regions {
+    /// The same where these joins of parts are made: regions of parts that are joined, in one atlas, are one,
+    /// the one with the lowest number.
+    pub fn joined(&self, found: &Found, joins: &[PartJoin]) -> Self {
+        let mut sets = DisjointSets::new(found.parts.parts.len());
+        for join in joins {
+            sets.join(join.a, join.b);
+        }
+        let mut first = BTreeMap::new();
+        let of_region: Vec<u32> = (0..)
+            .zip(self.part.iter().zip(&self.atlas))
+            .map(|(region, (&part, &atlas))| {
+                *first.entry((sets.root(part), atlas)).or_insert(region)
+            })
+            .collect();
+        let of = |&region: &u32| of_region.get(region as usize).copied().unwrap_or(NONE);
+        Self { of_face: self.of_face.iter().map(of).collect(), ..self.clone() }
+    }
+}
+
+/// The joins over borders that only the network or the geometry draws, between parts of one density, the
+/// least certain border first.
+pub fn giving_way(found: &Found) -> Vec<PartJoin> {
+    let guessed = |part: u32| is_guessed(found.parts.parts[part as usize].source);
+    let alike = |a: u32, b: u32| found.densities[a as usize] == found.densities[b as usize];
+    let joins = found.parts.joins.iter().copied();
+    joins.filter(|j| guessed(j.a) && guessed(j.b) && alike(j.a, j.b)).collect()
+}
+
+/// Whether nothing but the network or the geometry calls this a part.
+fn is_guessed(source: SegmentationSource) -> bool {
+    matches!(source, SegmentationSource::Geometric | SegmentationSource::Learned)
 }
 
 /// Number the regions in order of part, then material.
@@ -66,13 +100,7 @@ fn absorbed_specks(found: &Found, regions: &Regions) -> BTreeMap<u32, u32> {
     }
     let least = SPECK * area.iter().sum::<f64>();
     let part = |region: u32| &found.parts.parts[regions.part[region as usize] as usize];
-    let is_speck = |region: u32| {
-        let guessed = matches!(
-            part(region).source,
-            SegmentationSource::Geometric | SegmentationSource::Learned
-        );
-        guessed && area[region as usize] < least
-    };
+    let is_speck = |region: u32| is_guessed(part(region).source) && area[region as usize] < least;
     let like = |region: u32| {
         let part = regions.part[region as usize] as usize;
         (regions.atlas[region as usize], found.densities[part].to_bits())
@@ -108,7 +136,8 @@ mod tests {
         let scene = Scene::from_triangles(positions.collect(), cells.collect());
         let surface = condition(&scene, &Run::quiet()).unwrap();
         let label = |f: u32| if f / 2 == 63 { 1 } else { 2 * u32::from(f / 2 % 20 >= 10) };
-        let part = |id| Part { id, name: id.to_string(), source, confidence: 1.0 };
+        let part =
+            |id| Part { id, name: id.to_string(), source, confidence: 1.0, name_confidence: None };
         Found {
             sources: (0..800).collect(),
             parts: PartLabels {

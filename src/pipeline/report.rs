@@ -1,16 +1,21 @@
 //! The last stages: measure, draw, write, and the metrics that say what was done.
 
+use super::choice;
 use super::engine::Engine;
 use super::error::Cause;
 use super::extras;
 use super::faces::{self, Faces};
 use super::finish::CertifiedAtlas;
+use super::instances;
+use super::json;
 use super::maps::Mapped;
-use super::parts::{Found, Solvers};
+use super::membership::Membership;
+use super::parts::Found;
 use super::result::{Artifact, Unwrapped};
+use super::summary;
 use crate::contract::{
     ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, GaveUp, JointSeams, Metrics,
-    PartMetrics, Repairs, Run, Scarce, Stage, Units, UnwrapOptions,
+    PartMetrics, Repairs, Run, Scarce, Stage, Summary, Units, UnwrapOptions,
 };
 use crate::mesh::{NONE, Scene, export};
 use crate::metrics::{self, Measured, MeasuredFigures};
@@ -18,14 +23,12 @@ use crate::preview;
 use crate::segmentation::Part;
 
 /// Version of the shape of `metrics.json`.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// The result of a whole job.
-#[allow(clippy::too_many_arguments)]
 pub fn whole(
     scene: &Scene,
     found: &Found,
-    solvers: &Solvers,
     finished: &CertifiedAtlas,
     joint_seams: Option<JointSeams>,
     options: &UnwrapOptions,
@@ -53,13 +56,15 @@ pub fn whole(
         let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
         let layout = preview::uv_layout_svg(&measured, &names, &run.cancel)?;
         run.advance(0.1);
-        Some((layout.into_bytes(), preview::preview_png(&measured, run)?))
+        let shown = instances::shown(scene, found, &measured);
+        let shown = shown.as_ref().map(|shown| shown.measured(&measured));
+        Some((layout.into_bytes(), preview::preview_png(&measured, shown.as_ref(), run)?))
     } else {
         None
     };
     run.stage(Stage::Export)?;
     let extras = extras::block(found, &faces.chart_of);
-    let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&as_json(&extras)?))?;
+    let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&json::value(&extras)?))?;
     let steps = finished.charts.iter().map(|c| c.steps).max().unwrap_or(0);
     let enlarged_faces = finished.charts.iter().filter(|c| c.enlarged).count() as u64;
     let atlas = AtlasMetrics {
@@ -71,27 +76,36 @@ pub fn whole(
         certificate: finished.certificates.atlas.clone(),
         packing_efficiency,
         developable: metrics::developable(&measured),
+        objective: choice::objective(&found.surface, finished, options),
         joint_seams,
+        instances: instances::metrics_of(scene, found, &measured),
         figures: figures.atlas.clone(),
     };
+    summary::warn_of_many_charts(finished, found, run);
+    let membership = Membership::new(found, &finished.charts);
+    let cost = run.cost(steps, &engine.device.name());
     let metrics = Metrics {
         schema: SCHEMA,
+        summary: Summary {
+            seconds: cost.wall_s,
+            ..summary::of_atlas(&atlas, found, finished, options, run)
+        },
         deterministic: is_deterministic(run),
         degraded: degraded(run),
         units: Units::default(),
         atlas,
-        parts: parts(found, solvers, finished, &figures),
+        parts: parts(found, &membership, &figures),
         part_joins: found.parts.joins.clone(),
-        charts: charts(solvers, finished, &figures),
+        charts: charts(&membership, finished, &figures),
         repairs: Repairs { enlarged_faces, ..found.surface.repairs },
         engine: env!("CARGO_PKG_VERSION").into(),
         weights: found.weights.clone(),
         device: engine.device.name(),
-        cost: run.cost(steps, &engine.device.name()),
+        cost,
     };
     let mut artifacts = vec![
         Artifact { kind: ArtifactKind::Model, bytes: glb },
-        Artifact { kind: ArtifactKind::Metrics, bytes: to_json(&metrics)? },
+        Artifact { kind: ArtifactKind::Metrics, bytes: json::file(&metrics)? },
     ];
     if let Some((layout, picture)) = pictures {
         artifacts.push(Artifact { kind: ArtifactKind::Layout, bytes: layout });
@@ -114,7 +128,10 @@ pub fn segmentation_only(
         let count = found.surface.face_count();
         let uvs = vec![[[f32::NAN; 2]; 3]; count];
         let faces = Faces { file: Vec::new(), uvs, chart_of: vec![NONE; count] };
-        Some(preview::preview_png(&measured(found, &faces, 0), run)?)
+        let measured = measured(found, &faces, 0);
+        let shown = instances::shown(scene, found, &measured);
+        let shown = shown.as_ref().map(|shown| shown.measured(&measured));
+        Some(preview::preview_png(&measured, shown.as_ref(), run)?)
     } else {
         None
     };
@@ -125,12 +142,20 @@ pub fn segmentation_only(
         name: p.name.clone(),
         source: p.source,
         confidence: p.confidence,
+        name_confidence: p.name_confidence,
         faces: counts[p.id as usize],
         charts: Vec::new(),
         figures: Figures::default(),
     };
+    let cost = run.cost(0, &engine.device.name());
     let metrics = Metrics {
         schema: SCHEMA,
+        summary: Summary {
+            parts: found.parts.parts.len() as u32,
+            seconds: cost.wall_s,
+            warnings: run.warnings(),
+            ..Summary::default()
+        },
         deterministic: is_deterministic(run),
         degraded: degraded(run),
         units: Units::default(),
@@ -142,16 +167,16 @@ pub fn segmentation_only(
         engine: env!("CARGO_PKG_VERSION").into(),
         weights: found.weights.clone(),
         device: engine.device.name(),
-        cost: run.cost(0, &engine.device.name()),
+        cost,
     };
     let parts = found.parts.labels.iter().map(|&p| if p == NONE { -1 } else { p as i32 });
     let parts: Vec<i32> = parts.collect();
-    let glb = export::part_glb(scene, &parts, Some(&as_json(&extras::block(found, &[]))?))?;
+    let glb = export::part_glb(scene, &parts, Some(&json::value(&extras::block(found, &[]))?))?;
     let labels = found.parts.to_text().into_bytes();
     let mut artifacts = vec![
         Artifact { kind: ArtifactKind::Model, bytes: glb },
         Artifact { kind: ArtifactKind::Labels, bytes: labels },
-        Artifact { kind: ArtifactKind::Metrics, bytes: to_json(&metrics)? },
+        Artifact { kind: ArtifactKind::Metrics, bytes: json::file(&metrics)? },
     ];
     artifacts.extend(picture.map(|bytes| Artifact { kind: ArtifactKind::Preview, bytes }));
     run.advance(1.0);
@@ -203,32 +228,23 @@ fn face_counts(found: &Found) -> Vec<u64> {
     faces
 }
 
-fn parts(
-    found: &Found,
-    solvers: &Solvers,
-    finished: &CertifiedAtlas,
-    figures: &MeasuredFigures,
-) -> Vec<PartMetrics> {
+fn parts(found: &Found, membership: &Membership, figures: &MeasuredFigures) -> Vec<PartMetrics> {
     let faces = face_counts(found);
-    let charts_of = |part: u32| {
-        let charts = finished.charts.iter().enumerate();
-        let own = |(_, m): &(usize, &Mapped)| solvers.regions.part[m.chart.part as usize] == part;
-        charts.filter(own).map(|(i, _)| i as u32).collect()
-    };
     let part = |(p, figures): (&Part, &Figures)| PartMetrics {
         id: p.id,
         name: p.name.clone(),
         source: p.source,
         confidence: p.confidence,
+        name_confidence: p.name_confidence,
         faces: faces[p.id as usize],
-        charts: charts_of(p.id),
+        charts: membership.charts(p.id),
         figures: figures.clone(),
     };
     found.parts.parts.iter().zip(&figures.parts).map(part).collect()
 }
 
 fn charts(
-    solvers: &Solvers,
+    membership: &Membership,
     finished: &CertifiedAtlas,
     figures: &MeasuredFigures,
 ) -> Vec<ChartMetrics> {
@@ -236,7 +252,7 @@ fn charts(
     let chart =
         |(id, ((m, figures), proof)): (usize, ((&Mapped, &Figures), &Certificate))| ChartMetrics {
             id: id as u32,
-            part: solvers.regions.part[m.chart.part as usize],
+            parts: membership.parts(id as u32),
             page: finished.page_of[id],
             faces: m.chart.faces.len() as u64,
             shape: m.chart.shape.kind(),
@@ -251,19 +267,6 @@ fn charts(
     rows.enumerate().map(chart).collect()
 }
 
-/// What a value is in JSON, for a document that is put together.
-fn as_json(value: &impl serde::Serialize) -> Result<serde_json::Value, Cause> {
-    serde_json::to_value(value).map_err(unwritable)
-}
-
-fn to_json(metrics: &Metrics) -> Result<Vec<u8>, Cause> {
-    serde_json::to_vec_pretty(metrics).map_err(unwritable)
-}
-
-fn unwritable(error: serde_json::Error) -> Cause {
-    Cause::Internal(format!("the result cannot be written as JSON: {error}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,12 +277,11 @@ mod tests {
     fn reported(run: &Run, change: impl Fn(&mut CertifiedAtlas)) -> (CertifiedAtlas, Unwrapped) {
         let text = scenes::and_a_cube(&scenes::squares(2), 8);
         let options = scenes::options();
-        let (found, solvers, mut atlas) = scenes::atlas(&text, &options, run);
+        let (found, _, mut atlas) = scenes::atlas(&text, &options, run);
         change(&mut atlas);
         let seams = Some(JointSeams { pieces: 3, kept: 1, gain: Some(0.5) });
         let (scene, engine) = (scenes::scene(&text), scenes::engine());
-        let result =
-            whole(&scene, &found, &solvers, &atlas, seams, &options, &engine, run).unwrap();
+        let result = whole(&scene, &found, &atlas, seams, &options, &engine, run).unwrap();
         (atlas, result)
     }
 
@@ -292,9 +294,9 @@ mod tests {
         assert!(m.charts.len() >= 4, "the cube has more than one");
         for (c, mapped) in m.charts.iter().zip(&atlas.charts) {
             assert_eq!(c.faces, mapped.chart.faces.len() as u64);
-            let of_part: Vec<usize> =
-                (0..3).filter(|&p| m.parts[p].charts.contains(&c.id)).collect();
-            assert_eq!(of_part, [c.part as usize]);
+            let of_part: Vec<u32> =
+                (0..3).filter(|&p| m.parts[p as usize].charts.contains(&c.id)).collect();
+            assert_eq!(of_part, c.parts);
         }
         assert_eq!(m.atlas.joint_seams.unwrap().kept, 1);
         assert_eq!((m.atlas.charts, m.atlas.width), (m.charts.len() as u32, 256));
@@ -302,8 +304,9 @@ mod tests {
         let kinds: Vec<ArtifactKind> = result.artifacts().iter().map(|a| a.kind).collect();
         let (model, layout) = (ArtifactKind::Model, ArtifactKind::Layout);
         assert_eq!(kinds, [model, ArtifactKind::Metrics, layout, ArtifactKind::Preview]);
-        let json = std::str::from_utf8(result.artifact(ArtifactKind::Metrics).unwrap());
-        assert_eq!(json.unwrap(), serde_json::to_string_pretty(m).unwrap());
+        assert_eq!(m.summary.charts, m.atlas.charts);
+        assert_eq!(m.summary.symmetric_dirichlet, m.atlas.figures.symmetric_dirichlet_chart);
+        assert_eq!((m.summary.density_variation, m.summary.charts_of_network), (None, 0));
     }
 
     #[test]
@@ -315,8 +318,8 @@ mod tests {
         });
         let m = &result.metrics;
         assert_eq!((m.charts[0].steps, m.cost.steps, m.repairs.enlarged_faces), (40, 40, 1));
-        assert_eq!(m.charts[0].figures.paper_chamfer, Some(0.5));
-        assert_eq!(m.charts[1].figures.paper_chamfer, None);
+        assert_eq!(m.charts[0].figures.paper.chamfer, Some(0.5));
+        assert_eq!(m.charts[1].figures.paper.chamfer, None);
         assert_eq!(m.charts[1].certificate.zero_area_3d, 6);
     }
 

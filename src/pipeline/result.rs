@@ -1,6 +1,6 @@
 //! What the pipeline returns: the metrics and the named files, the same for every caller.
 
-use crate::contract::{ArtifactKind, Cost, Metrics};
+use crate::contract::{ArtifactKind, Metrics};
 
 /// One file of a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,11 +33,10 @@ impl Unwrapped {
     /// The files in which two results differ. The metrics are compared less their `cost`:
     /// it tells of the run and not of the result.
     pub fn differences(&self, other: &Self) -> Vec<ArtifactKind> {
-        let less_cost = |m: &Metrics| Metrics { cost: Cost::default(), ..m.clone() };
         let same = |a: &Artifact, b: &Artifact| match a.kind {
             // As text, for there two numbers that differ look different, and NaN looks the same.
             ArtifactKind::Metrics => {
-                let text = |m: &Metrics| serde_json::to_string(&less_cost(m)).ok();
+                let text = |m: &Metrics| serde_json::to_string(&m.without_cost()).ok();
                 text(&self.metrics) == text(&other.metrics)
             }
             _ => a.bytes == b.bytes,
@@ -52,39 +51,56 @@ impl Unwrapped {
         own.chain(foreign).map(|a| a.kind).collect()
     }
 
-    /// The result in a sentence or two.
+    /// The result in a few lines: what it is, and what the user should know of it.
     pub fn summary(&self) -> String {
         let m = &self.metrics;
-        let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.4}"));
-        if m.atlas.charts == 0 && m.charts.is_empty() && !m.parts.is_empty() {
+        let s = &m.summary;
+        if m.atlas.charts == 0 {
             let names: Vec<&str> = m.parts.iter().take(12).map(|p| p.name.as_str()).collect();
             let more = if m.parts.len() > 12 { ", …" } else { "" };
-            let seconds = m.cost.wall_s;
-            return format!("{} parts: {}{more}; {seconds:.1} s", m.parts.len(), names.join(", "));
+            return format!(
+                "{}: {}{more}; {:.1} s",
+                counted(s.parts, "part"),
+                names.join(", "),
+                s.seconds
+            );
         }
-        let trained = m.charts.iter().filter(|c| c.steps > 0).count();
-        format!(
-            "{} parts, {} charts ({trained} trained on {}), {}; seam length {} × √area, \
-             symmetric Dirichlet {}, packing {:.0} %; {:.1} s",
-            m.parts.len(),
-            m.atlas.charts,
-            m.device,
-            if m.atlas.certificate.valid { "valid" } else { "NOT VALID: see the certificate" },
-            m.atlas
-                .figures
-                .seam_length
-                .map_or("–".to_owned(), |s| format!("{:.2}", s.per_sqrt_area)),
-            number(m.atlas.figures.symmetric_dirichlet),
-            100.0 * m.atlas.packing_efficiency.covered,
-            m.cost.wall_s,
-        )
+        let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.4}"));
+        let mut text = format!(
+            "{}, {}, {}; seam length {} × √area, symmetric Dirichlet {}, {:.0} % of {} used; {:.1} s",
+            counted(s.parts, "part"),
+            counted(s.charts, "chart"),
+            if s.valid == Some(true) { "valid" } else { "NOT VALID: see the certificate" },
+            s.seam_length.map_or("–".to_owned(), |length| format!("{length:.2}")),
+            number(s.symmetric_dirichlet),
+            100.0 * s.packing,
+            counted(s.pages, "page"),
+            s.seconds,
+        );
+        if let Some(variation) = s.density_variation {
+            let percent = 100.0 * variation;
+            text += &format!("\ntexel densities differ as asked: by {percent:.0} % of their mean");
+        }
+        if s.charts_of_network > 0 {
+            text +=
+                &format!("\nthe network's map ships in {}", counted(s.charts_of_network, "chart"));
+        }
+        if !m.degraded.is_empty() {
+            text += &format!("\ngiven up: {}", m.degraded.join("; "));
+        }
+        text
     }
+}
+
+/// A number of things, in words.
+fn counted(count: u32, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{AtlasMetrics, Repairs, Units};
+    use crate::contract::{AtlasMetrics, Cost, Repairs, Summary, Units};
 
     /// A result with two files, one of them its metrics.
     fn result() -> Unwrapped {
@@ -92,7 +108,8 @@ mod tests {
         let artifacts =
             vec![artifact(ArtifactKind::Model, b"glTF"), artifact(ArtifactKind::Metrics, b"{}")];
         let metrics = Metrics {
-            schema: 1,
+            schema: 2,
+            summary: Summary::default(),
             deterministic: true,
             degraded: Vec::new(),
             units: Units::default(),
@@ -107,6 +124,39 @@ mod tests {
             cost: Cost::default(),
         };
         Unwrapped { metrics, artifacts }
+    }
+
+    #[test]
+    fn the_summary_says_what_is_so() {
+        let mut result = result();
+        let m = &mut result.metrics;
+        m.atlas.charts = 3;
+        m.summary = Summary {
+            valid: Some(true),
+            parts: 1,
+            charts: 3,
+            pages: 1,
+            seam_length: Some(2.5),
+            symmetric_dirichlet: Some(1.25),
+            packing: 0.5,
+            seconds: 2.0,
+            ..Summary::default()
+        };
+        m.atlas.figures.symmetric_dirichlet = Some(1.4);
+        let line = "1 part, 3 charts, valid; seam length 2.50 × √area, symmetric Dirichlet 1.2500, \
+            50 % of 1 page used; 2.0 s";
+        assert_eq!(result.summary(), line);
+        let m = &mut result.metrics;
+        m.summary.density_variation = Some(0.3);
+        m.summary.charts_of_network = 1;
+        m.degraded = vec!["train: too little time".into(), "preview: too little memory".into()];
+        let lines = format!(
+            "{line}\ntexel densities differ as asked: by 30 % of their mean\nthe network's map ships in 1 \
+             chart\ngiven up: train: too little time; preview: too little memory"
+        );
+        assert_eq!(result.summary(), lines);
+        result.metrics.summary.valid = Some(false);
+        assert!(result.summary().contains("NOT VALID"));
     }
 
     #[test]

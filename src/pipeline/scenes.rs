@@ -1,13 +1,14 @@
 //! Small objects on their way through the pipeline, for tests.
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use super::charting::Cut;
 use super::finish::{self, CertifiedAtlas};
 use super::parts::{Found, Solvers};
 use super::{Engine, charting, maps, parts};
-use crate::charts::Chart;
 use crate::contract::{
     Budget, Cancel, MeshKind, Progress, Quality, Run, SegmentationSource, UnwrapOptions,
 };
@@ -50,6 +51,28 @@ pub fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> String {
     text
 }
 
+/// A sphere of `n` rings of 2 `n` cells, the poles being vertices.
+pub fn sphere(n: u32) -> String {
+    let mut text = String::from("v 0 0 1\nv 0 0 -1\n");
+    let m = 2 * n;
+    for (j, i) in (1..n).flat_map(|j| (0..m).map(move |i| (j, i))) {
+        let (polar, around) = (f64::from(j), f64::from(i));
+        let (polar, around) = (polar * PI / f64::from(n), around * 2.0 * PI / f64::from(m));
+        let (x, y) = (polar.sin() * around.cos(), polar.sin() * around.sin());
+        let _ = writeln!(text, "v {x} {y} {}", polar.cos());
+    }
+    let at = |j: u32, i: u32| 3 + (j - 1) * m + i % m;
+    for i in 0..m {
+        let _ = writeln!(text, "f 1 {} {}", at(1, i), at(1, i + 1));
+        let _ = writeln!(text, "f 2 {} {}", at(n - 1, i + 1), at(n - 1, i));
+    }
+    for (j, i) in (1..n - 1).flat_map(|j| (0..m).map(move |i| (j, i))) {
+        let (a, b, c, d) = (at(j, i), at(j + 1, i), at(j + 1, i + 1), at(j, i + 1));
+        let _ = writeln!(text, "f {a} {b} {c} {d}");
+    }
+    text
+}
+
 /// `count` squares of side 1 beside each other, none of which touches another.
 pub fn squares(count: u32) -> String {
     let square = |k: u32| {
@@ -81,17 +104,18 @@ pub fn found(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers) 
 }
 
 /// … as far as its charts.
-pub fn cut(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, Vec<Chart>) {
+pub fn cut(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, Cut) {
     let (found, solvers) = found(obj, options, run);
-    let cut = charting::cut(&solvers, options, &engine(), run).unwrap();
-    (found, solvers, cut.charts)
+    let cut = charting::cut(&found, &solvers, options, &engine(), run).unwrap();
+    (found, solvers, cut)
 }
 
 /// … as far as its atlas.
 pub fn atlas(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, CertifiedAtlas) {
-    let (found, solvers, charts) = cut(obj, options, run);
-    let charts = maps::untrained(charts);
-    let atlas = finish::pack_and_certify(&found, &solvers, charts, options, run).unwrap();
+    let (found, solvers, cut) = cut(obj, options, run);
+    let charts = maps::untrained(cut.charts);
+    let atlas = finish::pack_and_certify(&found, &solvers, &cut.regions, charts, options, run);
+    let atlas = atlas.unwrap();
     (found, solvers, atlas)
 }
 

@@ -11,12 +11,12 @@ const SQUARES: f64 = 40.0;
 /// Most squares across a page.
 const MOST: f64 = 4096.0;
 
-/// Squares across a page: even, so that the pattern closes.
-pub(super) fn squares(input: &Measured) -> f32 {
+/// Squares across a page: even, so that the pattern closes. `diagonal`: of all that is shown.
+pub(super) fn squares(input: &Measured, diagonal: f64) -> f32 {
     let maps = (0..input.uvs.len()).filter_map(|f| input.face_map(f));
     let (uv, area) = maps.fold((0.0, 0.0), |(u, a), m| (u + m.uv_area.abs(), a + m.area));
     let density = if uv > 0.0 { (uv / area).sqrt() } else { 1.0 };
-    let wanted = SQUARES / (density * input.surface.diagonal.max(f64::MIN_POSITIVE));
+    let wanted = SQUARES / (density * diagonal.max(f64::MIN_POSITIVE));
     (2.0 * (0.5 * wanted).round().clamp(1.0, 0.5 * MOST)) as f32
 }
 

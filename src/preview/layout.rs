@@ -11,19 +11,19 @@ use crate::metrics::{EdgeTable, Measured};
 /// With more faces their edges would only make the panel grey.
 const MOST_FACES: usize = 6_000;
 
-/// Draws the pages onto a square canvas, `margin` pixels from its sides. Lines are `unit` pixels wide.
+/// Draws the pages onto a canvas, `margin` pixels from its sides. Lines are `unit` pixels wide.
 pub(super) fn draw_layout(
     canvas: &mut Canvas,
     input: &Measured,
     edges: &EdgeTable,
+    pages: Pages,
     margin: f32,
     unit: f32,
 ) {
-    let side = canvas.width as f32 - 2.0 * margin;
-    let pages = Pages::new(input.pages);
+    let room = Vec2::new(canvas.width as f32, canvas.height as f32) - 2.0 * margin;
     let size = Vec2::from(pages.size());
-    let scale = side / size.max_element();
-    let low = margin + 0.5 * (side - size * scale);
+    let scale = (room / size).min_element();
+    let low = margin + 0.5 * (room - size * scale);
     let place = |page: u32, uv: [f32; 2]| low + Vec2::from(pages.place(page, uv)) * scale;
     let corners = |page: u32| {
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|corner| place(page, corner))
@@ -33,12 +33,13 @@ pub(super) fn draw_layout(
         canvas.fill([a, c, d], Vec3::ONE);
     }
     for f in 0..input.uvs.len() {
-        if input.face_map(f).is_some() {
+        if input.face_map(f).is_some() && pages.has(input.page(input.chart_of[f])) {
             let hue = linear(part_color(input.part_of[f]));
             let page = input.page(input.chart_of[f]);
             canvas.fill(input.uvs[f].map(|uv| place(page, uv)), Vec3::ONE.lerp(hue, 0.78));
         }
     }
+    let drawn = |h: u32| pages.has(input.page(input.chart_of[h as usize / 3]));
     let segment = |h: u32| {
         let (f, k) = (h as usize / 3, h as usize % 3);
         let page = input.page(input.chart_of[f]);
@@ -47,14 +48,14 @@ pub(super) fn draw_layout(
     let (width, height) = (canvas.width, canvas.height);
     if input.surface.face_count() <= MOST_FACES {
         let mut mask = LineMask::new(width, height);
-        for h in edges.all_half_edges() {
+        for h in edges.all_half_edges().iter().filter(|h| drawn(**h)) {
             let (a, b) = segment(*h);
             mask.draw(a, b, 0.25 * unit, |_, _| true);
         }
         canvas.lay(&mask.scaled(0.35), Vec3::ONE);
     }
     let mut mask = LineMask::new(width, height);
-    for h in (0..edges.len()).flat_map(|e| edges.rim(e)) {
+    for h in (0..edges.len()).flat_map(|e| edges.rim(e)).filter(|h| drawn(*h)) {
         let (a, b) = segment(h);
         mask.draw(a, b, 0.9 * unit, |_, _| true);
     }

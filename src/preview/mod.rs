@@ -6,6 +6,7 @@ mod camera;
 mod canvas;
 mod checker;
 mod curves;
+mod instances;
 mod layout;
 mod lines;
 mod occlusion;
@@ -25,6 +26,7 @@ mod tests;
 mod text;
 
 pub use curves::{Curve, curves_png};
+pub use instances::Shown;
 pub use palette::part_color;
 pub use picture::{PreviewError, bytes, preview_png};
 pub use sheet::{SheetCell, SheetError, contact_sheet};

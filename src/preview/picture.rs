@@ -1,5 +1,6 @@
 //! `preview.png`: on the left a checker on the shaded object with its seams, at the top right the
-//! object by parts, below it the UV layout. Without charts the object by parts fills the picture.
+//! object by parts, below it the UV layout; of several pages the first sixteen stand larger below. Without
+//! charts the object by parts fills the picture.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 use super::canvas::Canvas;
 use super::checker::{Tint, squares};
 use super::layout::draw_layout;
+use super::pages::Pages;
 use super::palette::{encode, linear, part_color};
 use super::shade::{FACTOR, Line, View};
 use crate::contract::{Cancel, Canceled, Run};
@@ -35,24 +37,44 @@ pub fn bytes(faces: usize) -> u64 {
     pixels * 32 + faces as u64 * 256
 }
 
-/// Draws the preview: 1152 × 768 pixels, PNG; 768 × 768 without charts.
-pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError> {
+/// Draws the preview: 1152 × 768 pixels, PNG, and about 288 more for every four of several pages; 768 × 768
+/// without charts.
+/// `scene` is the object with all its instances, if it has several.
+pub fn preview_png(
+    input: &Measured,
+    scene: Option<&Measured>,
+    run: &Run,
+) -> Result<Vec<u8>, PreviewError> {
     let cancel = &run.cancel;
+    let scene = scene.unwrap_or(input);
     if input.charts == 0 {
-        let edges = EdgeTable::new(input, |f| input.surface.usable[f as usize], cancel)?;
+        let edges = EdgeTable::new(scene, |f| scene.surface.usable[f as usize], cancel)?;
         let mut page = Canvas::gradient(LARGE, LARGE, Vec3::ONE, Vec3::ONE);
-        page.paste_smaller(&parts_panel(input, &edges, LARGE, cancel)?, FACTOR, 0, 0);
+        page.paste_smaller(&parts_panel(scene, &edges, LARGE, cancel)?, FACTOR, 0, 0);
         return Ok(encode_png(&page, png::Compression::Fast)?);
     }
-    let edges = EdgeTable::new(input, |f| input.face_map(f as usize).is_some(), cancel)?;
+    let table = |of: &Measured| EdgeTable::new(of, |f| of.face_map(f as usize).is_some(), cancel);
+    let edges = table(input)?;
+    let own_edges = if std::ptr::eq(scene, input) { None } else { Some(table(scene)?) };
+    let scene_edges = own_edges.as_ref().unwrap_or(&edges);
+    let large = Pages::large(input.pages);
+    let below = large.map_or(0, |pages| {
+        let [across, down] = pages.size();
+        ((LARGE + SMALL) as f32 / across * down).round() as usize
+    });
     let panels = run.steps(4, 0.1, 1.0);
-    let mut page = Canvas::gradient(LARGE + SMALL, LARGE, Vec3::ONE, Vec3::ONE);
-    page.paste_smaller(&checker_panel(input, &edges, cancel)?, FACTOR, 0, 0);
+    let mut page = Canvas::gradient(LARGE + SMALL, LARGE + below, Vec3::ONE, Vec3::ONE);
+    page.paste_smaller(&checker_panel(scene, input, scene_edges, cancel)?, FACTOR, 0, 0);
     panels.add(2);
-    page.paste_smaller(&parts_panel(input, &edges, SMALL, cancel)?, FACTOR, LARGE, 0);
+    page.paste_smaller(&parts_panel(scene, scene_edges, SMALL, cancel)?, FACTOR, LARGE, 0);
     panels.step();
     cancel.check()?;
     page.paste_smaller(&layout_panel(input, &edges), FACTOR, LARGE, SMALL);
+    if let Some(pages) = large {
+        let mut strip = background((LARGE + SMALL, below));
+        draw_layout(&mut strip, input, &edges, pages, (6 * FACTOR) as f32, FACTOR as f32);
+        page.paste_smaller(&strip, FACTOR, 0, LARGE);
+    }
     panels.step();
     for y in 0..LARGE {
         page.pixels[y * page.width + LARGE] = linear(RULE);
@@ -67,15 +89,21 @@ pub fn preview_png(input: &Measured, run: &Run) -> Result<Vec<u8>, PreviewError>
 /// Lines between panels.
 const RULE: [u8; 3] = [0xc2, 0xc8, 0xd0];
 
-fn background(size: usize) -> Canvas {
+fn background((width, height): (usize, usize)) -> Canvas {
     let (top, bottom) = (linear([0xee, 0xf1, 0xf5]), linear([0xcd, 0xd4, 0xdd]));
-    Canvas::gradient(size * FACTOR, size * FACTOR, top, bottom)
+    Canvas::gradient(width * FACTOR, height * FACTOR, top, bottom)
 }
 
-fn checker_panel(input: &Measured, edges: &EdgeTable, cancel: &Cancel) -> Result<Canvas, Canceled> {
-    let mut canvas = background(LARGE);
+/// Each square is as large on every instance as on the measured one.
+fn checker_panel(
+    input: &Measured,
+    object: &Measured,
+    edges: &EdgeTable,
+    cancel: &Cancel,
+) -> Result<Canvas, Canceled> {
+    let mut canvas = background((LARGE, LARGE));
     let Some(view) = View::new(input.surface, LARGE, cancel)? else { return Ok(canvas) };
-    let across = squares(input);
+    let across = squares(object, input.surface.diagonal);
     // The tint of a face, and how many squares fit into a world unit on it.
     let faces: Vec<Option<(Tint, f32)>> = (0..input.uvs.len())
         .map(|f| {
@@ -102,7 +130,7 @@ fn parts_panel(
     size: usize,
     cancel: &Cancel,
 ) -> Result<Canvas, Canceled> {
-    let mut canvas = background(size);
+    let mut canvas = background((size, size));
     let Some(view) = View::new(input.surface, size, cancel)? else { return Ok(canvas) };
     let colors: Vec<Vec3> = input.part_of.iter().map(|p| linear(part_color(*p))).collect();
     let brighter = |c: Vec3| c.lerp(Vec3::ONE, 0.12);
@@ -114,8 +142,15 @@ fn parts_panel(
 }
 
 fn layout_panel(input: &Measured, edges: &EdgeTable) -> Canvas {
-    let mut canvas = background(SMALL);
-    draw_layout(&mut canvas, input, edges, (12 * FACTOR) as f32, FACTOR as f32);
+    let mut canvas = background((SMALL, SMALL));
+    draw_layout(
+        &mut canvas,
+        input,
+        edges,
+        Pages::new(input.pages),
+        (12 * FACTOR) as f32,
+        FACTOR as f32,
+    );
     canvas
 }
 

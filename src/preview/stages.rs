@@ -8,6 +8,7 @@ use glam::{Vec2, Vec3};
 use super::canvas::Canvas;
 use super::layout::draw_layout;
 use super::lines::LineMask;
+use super::pages::Pages;
 use super::palette::{linear, part_color};
 use super::picture::{PreviewError, encode_png};
 use super::ramp::{COLD_TO_WARM, PALE_TO_WARM, fill};
@@ -163,7 +164,15 @@ impl<'a> StagePictures<'a> {
     /// The packed page, or pages, charts filled by the colour of their part. `names`: one a part.
     pub fn page(&self, names: &[String]) -> Result<Vec<u8>, PreviewError> {
         let mut panel = panel();
-        draw_layout(&mut panel, self.input, &self.edges, (MARGIN * FACTOR) as f32, FACTOR as f32);
+        let pages = Pages::new(self.input.pages);
+        draw_layout(
+            &mut panel,
+            self.input,
+            &self.edges,
+            pages,
+            (MARGIN * FACTOR) as f32,
+            FACTOR as f32,
+        );
         let size = self.input.page_size;
         let pages = match self.input.pages {
             0 | 1 => format!("page, {size} x {size}"),

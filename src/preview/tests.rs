@@ -181,7 +181,7 @@ fn neighbours_share_no_pixel_and_leave_none_out() {
 
 #[test]
 fn the_picture_shows_the_object_its_parts_and_its_layout() {
-    let png = with_cube(|m| preview_png(m, &Run::quiet())).unwrap();
+    let png = with_cube(|m| preview_png(m, None, &Run::quiet())).unwrap();
     let (width, height, pixels) = decode(&png);
     assert_eq!((width, height), (1152, 768));
     let at = |x: usize, y: usize| pixels[y * width as usize + x];
@@ -217,7 +217,7 @@ fn the_picture_shows_the_object_its_parts_and_its_layout() {
 
 #[test]
 fn a_sheet_has_a_cell_an_object_with_its_checker_its_layout_and_its_words() {
-    let preview = with_cube(|m| preview_png(m, &Run::quiet())).unwrap();
+    let preview = with_cube(|m| preview_png(m, None, &Run::quiet())).unwrap();
     let caption = vec!["cube".to_owned(), "six charts".to_owned()];
     let full = SheetCell { preview: Some(preview), caption: caption.clone() };
     let empty = SheetCell { preview: None, caption };
@@ -257,7 +257,7 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
         pool.install(|| {
             let input = measured(&surface, &uv, &zeros, &zeros);
             let svg = uv_layout_svg(&input, &["cone".to_owned()], &Cancel::default()).unwrap();
-            (preview_png(&input, &Run::quiet()).unwrap(), svg)
+            (preview_png(&input, None, &Run::quiet()).unwrap(), svg)
         })
     };
     assert!(with(1) == with(2));
@@ -266,13 +266,13 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn nothing_and_faces_without_coordinates_can_be_drawn() {
     let nothing = Surface { diagonal: 1.0, ..Surface::default() };
-    assert!(preview_png(&measured(&nothing, &[], &[], &[]), &Run::quiet()).is_ok());
+    assert!(preview_png(&measured(&nothing, &[], &[], &[]), None, &Run::quiet()).is_ok());
     let (surface, mut uvs) = cube();
     let mut charts = [0; 12];
     uvs[3] = [[f32::NAN; 2]; 3];
     charts[3] = NONE;
     let input = measured(&surface, &uvs, &charts, &charts);
-    assert!(preview_png(&input, &Run::quiet()).is_ok());
+    assert!(preview_png(&input, None, &Run::quiet()).is_ok());
     let svg = uv_layout_svg(&input, &[], &Cancel::default()).unwrap();
     assert!(!svg.contains("NaN"));
 }
@@ -281,5 +281,5 @@ fn nothing_and_faces_without_coordinates_can_be_drawn() {
 fn a_canceled_run_draws_nothing() {
     let run = Run::quiet();
     run.cancel.cancel();
-    assert!(with_cube(|m| preview_png(m, &run)).is_err());
+    assert!(with_cube(|m| preview_png(m, None, &run)).is_err());
 }

@@ -44,6 +44,7 @@ impl Segmenter for Authored {
                 name: name.cloned().unwrap_or_else(|| "part".into()),
                 source: SegmentationSource::Authored,
                 confidence: if alone { PRIMITIVE } else { COMPONENT },
+                name_confidence: None,
             }
         };
         let candidates = keys.iter().map(candidate).collect();

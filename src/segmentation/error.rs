@@ -11,8 +11,8 @@ pub enum SegmentationError {
     Canceled(#[from] Canceled),
     /// `segmentation = labels` without labels.
     #[error(
-        "segmentation is labels, but no labels were given: send a part `labels` (one integer a \
-         line, line i for face i), or a vertex attribute _PART, or choose another source"
+        "`segmentation` is labels and there are none: give `labels` beside the mesh (one integer a line, line i \
+         for face i), or a vertex attribute _PART in it, or choose another source"
     )]
     NoLabels,
     /// Labels for another mesh.

@@ -3,8 +3,8 @@
 //! borders are left to the graph cut. For each part it is told which kind of evidence decided: the one
 //! without which its borders would be doubted most.
 
+use super::naming::Naming;
 use super::near_borders::near_borders;
-use super::point_mae::NAMES;
 use super::regions::{Evidence, Heard, Opinion, Prepared, RegionGraph, agglomerate, features};
 use super::sheets::Outside;
 use super::{Candidate, PartScores};
@@ -18,9 +18,6 @@ pub const CUT: f64 = 0.55;
 
 /// Widths of an initial region within which a border may move.
 const REACH: f64 = 1.2;
-
-/// A name is given from this share of votes on.
-const NAMED: f64 = 0.5;
 
 /// Parts of a surface in the opinion of the boundary classifier or the rule, told only of the evidence that
 /// is to be heard: regions are joined as long as the probability that a part ends between them is at most
@@ -70,8 +67,10 @@ pub fn fuse(
     let weights = cloud.faces.iter().map(weight).collect();
     let candidate = |&p: &u32| {
         let found = candidate(&graph, p, opinion, heard);
-        let name = given_name(surface, &graph, p).unwrap_or(found.name);
-        Candidate { name, ..found }
+        match given_name(surface, &graph, p) {
+            Some(name) => Candidate { name, name_confidence: None, ..found },
+            None => found,
+        }
     };
     let candidates = stands.iter().map(candidate).collect();
     // What would be joined next, up to one part for each group of welded components that touch.
@@ -100,11 +99,17 @@ fn candidate(graph: &RegionGraph, p: u32, opinion: &dyn Opinion, heard: Heard) -
         _ => SegmentationSource::Geometric,
     };
     let Some(region) = graph.region(p) else {
-        return Candidate { name: "part".into(), source: part, confidence: 0.0 };
+        return Candidate {
+            name: "part".into(),
+            source: part,
+            confidence: 0.0,
+            name_confidence: None,
+        };
     };
-    let total: f64 = region.names.iter().sum();
-    let best = (0..region.names.len()).max_by(|&a, &b| region.names[a].total_cmp(&region.names[b]));
-    let name = best.filter(|&b| region.names[b] > NAMED * total).map_or("part", |b| NAMES[b]);
+    let naming = Naming::of(&region.names).filter(|_| heard.learned);
+    let name = naming.and_then(Naming::word);
+    let name_confidence = naming.filter(|_| name.is_some()).map(Naming::confidence);
+    let name = name.unwrap_or("part");
     let mut without = vec![
         (SegmentationSource::Learned, heard.learned, Heard { learned: false, ..heard }),
         (SegmentationSource::Authored, heard.authored, Heard { authored: false, ..heard }),
@@ -127,5 +132,5 @@ fn candidate(graph: &RegionGraph, p: u32, opinion: &dyn Opinion, heard: Heard) -
     let most = most.filter(|_| length > 0.0);
     let source = most.map_or(part, |k| without[k].0);
     let confidence = if length > 0.0 { sure / length } else { 1.0 };
-    Candidate { name: name.into(), source, confidence }
+    Candidate { name: name.into(), source, confidence, name_confidence }
 }

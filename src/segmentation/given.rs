@@ -36,6 +36,7 @@ impl Segmenter for Given {
                 name: format!("label_{label}"),
                 source: SegmentationSource::Labels,
                 confidence: 1.0,
+                name_confidence: None,
             });
         }
         let candidates = candidates.into_iter().flatten().collect();

@@ -19,6 +19,8 @@ pub struct Part {
     pub source: SegmentationSource,
     /// How sure it was, 0 to 1.
     pub confidence: f64,
+    /// How sure the network is of the name, 0 to 1; `None` where the name is not the network's.
+    pub name_confidence: Option<f64>,
 }
 
 /// One part a face.
@@ -85,13 +87,20 @@ pub fn connected_parts(
     }
     // Of these faces no source says anything.
     let source = SegmentationSource::Labels;
-    let nobody = Candidate { name: "unlabelled".into(), source, confidence: 0.0 };
+    let nobody =
+        Candidate { name: "unlabelled".into(), source, confidence: 0.0, name_confidence: None };
     let of_part: Vec<&Candidate> = of_part.into_iter().map(|c| c.unwrap_or(&nobody)).collect();
     let joins = joins(scores, &of_candidate);
     let names = unique_names(&of_part);
     let parts = (0u32..).zip(names).zip(of_part);
     let parts = parts
-        .map(|((id, name), c)| Part { id, name, source: c.source, confidence: c.confidence })
+        .map(|((id, name), c)| Part {
+            id,
+            name,
+            source: c.source,
+            confidence: c.confidence,
+            name_confidence: c.name_confidence,
+        })
         .collect();
     PartLabels { labels, parts, joins }
 }
@@ -158,7 +167,13 @@ mod tests {
     #[test]
     fn a_coarser_cut_only_joins() {
         let source = SegmentationSource::Learned;
-        let part = |id: u32| Part { id, name: id.to_string(), source, confidence: 1.0 };
+        let part = |id: u32| Part {
+            id,
+            name: id.to_string(),
+            source,
+            confidence: 1.0,
+            name_confidence: None,
+        };
         let parts = PartLabels {
             labels: vec![0, 1, 2, 3],
             parts: (0..4).map(part).collect(),
@@ -174,7 +189,8 @@ mod tests {
     #[test]
     fn a_candidate_without_faces_hands_its_joins_on() {
         let name = String::new();
-        let candidate = Candidate { name, source: SegmentationSource::Learned, confidence: 1.0 };
+        let source = SegmentationSource::Learned;
+        let candidate = Candidate { name, source, confidence: 1.0, name_confidence: None };
         let scores = PartScores {
             candidates: vec![candidate; 3],
             joins: vec![(0, 1, 0.6), (0, 2, 0.7)],

@@ -12,6 +12,7 @@ mod geometric;
 mod given;
 mod graph_cut;
 mod labels;
+pub mod naming;
 mod near_borders;
 mod network;
 pub mod point_mae;

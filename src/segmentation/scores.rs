@@ -9,8 +9,10 @@ pub struct Candidate {
     pub name: String,
     /// Who proposes it.
     pub source: SegmentationSource,
-    /// How sure that is, 0 to 1.
+    /// How sure it is that this is a part, 0 to 1.
     pub confidence: f64,
+    /// How sure the network is of the name, 0 to 1; `None` where the name is not the network's.
+    pub name_confidence: Option<f64>,
 }
 
 /// The scores of one source. A face that is `fixed` keeps its label. The others get the label that

@@ -139,5 +139,5 @@ fn options_are_checked_where_every_command_passes() {
     let options = UnwrapOptions { part_boundary: 7.0, ..quick() };
     let error = unwrap(super::options::CUBE.as_bytes(), None, &options).unwrap_err();
     assert_eq!(error.job_error().unwrap().code, ErrorCode::InvalidOption);
-    assert!(error.to_string().contains("/part_boundary"), "{error}");
+    assert!(error.to_string().contains("`part_boundary`"), "{error}");
 }

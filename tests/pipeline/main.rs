@@ -2,6 +2,7 @@
 //! threads, files that the glTF validator accepts.
 
 mod benchmarks;
+mod best;
 mod budget;
 mod certificate;
 mod maps;

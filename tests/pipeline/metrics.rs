@@ -16,13 +16,14 @@ fn metrics(name: &str, options: &UnwrapOptions) -> Value {
         assert!(!metrics[key].is_null(), "{key}");
         metrics[key] = "…".into();
     }
+    metrics["summary"]["seconds"] = "…".into();
     round(&mut metrics, 6);
     metrics
 }
 
 /// What comes out of the network, in single precision: processors differ in the sixth digit, and with two
 /// none of these numbers is near where rounding goes up or down.
-const HEARD: [&str; 2] = ["boundary", "confidence"];
+const HEARD: [&str; 3] = ["boundary", "confidence", "name_confidence"];
 
 /// Round every number to so many significant digits, and to a millionth; to two what the network says.
 fn round(value: &mut Value, digits: usize) {

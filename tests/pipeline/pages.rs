@@ -105,7 +105,7 @@ fn parts_get_the_density_that_was_asked_for() {
     let error = with("lamp=2").unwrap_err();
     assert_eq!(error.job_error().unwrap().code, ErrorCode::InvalidOption);
     let said = error.to_string();
-    assert!(said.contains("lamp") && said.contains(&name) && said.contains("/density"), "{said}");
+    assert!(said.contains("lamp") && said.contains(&name) && said.contains("`density`"), "{said}");
 }
 
 /// Whether a triangle and a square of side 1 overlap: no side of either separates them.

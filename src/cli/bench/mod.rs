@@ -3,6 +3,7 @@
 
 mod determinism;
 mod files;
+mod names;
 mod object;
 mod options;
 mod peer;
@@ -32,6 +33,8 @@ enum What {
     Quality(quality::Args),
     /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
     Determinism(determinism::Args),
+    /// Name the parts of labelled objects, and tell how often the names are right, by how sure they are.
+    Names(names::Args),
     /// Unwrap objects and tell how far the fraction that each job tells lies from the time that has gone.
     Progress(progress::Args),
     /// Unwrap objects with this program and with another build of it, with one thread and with two, and
@@ -51,6 +54,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.what {
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
+        What::Names(args) => names::run(args),
         What::Progress(args) => progress::run(args),
         What::Same(args) => same::run(args),
         What::Segmentation(args) => segmentation::run(args),

@@ -17,6 +17,9 @@ use super::files::{Shard, guarded, stem};
 /// Members of `metrics.json` that tell of the run and of the program, not of the result.
 const OF_THE_RUN: [&str; 2] = ["cost", "engine"];
 
+/// The same of its summary.
+const OF_THE_RUN_IN_SUMMARY: &str = "seconds";
+
 /// Threads of each run.
 const THREADS: [usize; 2] = [1, 2];
 
@@ -195,6 +198,9 @@ fn unwrap(
             run.metrics = serde_json::from_slice(&bytes).context("metrics.json is no JSON")?;
             if let Some(metrics) = run.metrics.as_object_mut() {
                 OF_THE_RUN.iter().for_each(|member| drop(metrics.shift_remove(*member)));
+                if let Some(summary) = metrics.get_mut("summary").and_then(Value::as_object_mut) {
+                    summary.shift_remove(OF_THE_RUN_IN_SUMMARY);
+                }
             }
             run.metrics.to_string().into_bytes()
         } else {

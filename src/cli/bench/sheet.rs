@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use super::files::{Shard, guarded, named, stem};
 use super::options::{BenchOptions, unwrap};
+use crate::cli::ending;
 use crate::cli::input::{Beside, Files};
 use crate::contract::{ArtifactKind, MeshKind, Metrics, UnwrapOptions};
 use crate::pipeline::Engine;
@@ -18,7 +19,7 @@ pub struct Args {
     #[arg(help = format!("Folder of meshes ({}), searched to the bottom", MeshKind::names()))]
     pub dir: PathBuf,
     /// Where the picture goes (PNG).
-    #[arg(short, long, default_value = "sheet.png")]
+    #[arg(short, long, default_value = "sheet.png", value_parser = ending::of(vec![ArtifactKind::Preview]))]
     pub output: PathBuf,
     /// Which objects: one file name without its extension a line, # begins a comment.
     #[arg(long, conflicts_with_all = ["limit", "shard"])]

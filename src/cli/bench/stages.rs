@@ -58,7 +58,7 @@ fn pictures(files: &Files) -> Result<[(&'static str, Vec<u8>); 6]> {
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, &run)?;
     // Specks are cut together with their neighbours, so that a chart knows better than its faces.
-    let region = |&c: &u32| metrics.charts.get(c as usize).map_or(NONE, |chart| chart.part);
+    let region = |&c: &u32| metrics.charts.get(c as usize).map_or(NONE, |chart| chart.parts[0]);
     let region_of: Vec<u32> = faces.chart_of.iter().map(region).collect();
     let cut = ChartOptions::from(&options);
     let patch_of = charts::initial_patches(&surface, &region_of, &cut, &run)?;

@@ -3,12 +3,14 @@
 //! nothing else.
 
 mod attribute;
+mod instance;
 mod primitive;
 mod used;
 mod values;
 mod view;
 
 pub use attribute::{ABSENT, Attribute, TEXCOORD};
+pub use instance::{Instance, Other};
 pub use primitive::Primitive;
 pub(in crate::mesh) use used::Renumbering;
 pub use values::Values;
@@ -31,8 +33,14 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Every triangle primitive that is shown, each mesh at its first use, in face order.
     pub primitives: Vec<Primitive>,
+    /// Every use of a mesh by a node of what is shown, depth-first; empty where each stands once and in the
+    /// world already.
+    pub instances: Vec<Instance>,
     /// Where the source's texture coordinates are (0, 0).
     pub texcoord_origin: TexcoordOrigin,
+    /// Numbers of the sets of texture coordinates that the textures of what is shown are drawn through, in
+    /// ascending order.
+    pub texture_sets: Vec<u64>,
     /// One label a face (−1 unknown), from the file or given with the request.
     pub labels: Option<Vec<i32>>,
     /// What the user should know about the file.

@@ -83,7 +83,7 @@ fn is_data_uri(uri: &str) -> bool {
 fn external(place: &str, uri: &str) -> ImportError {
     let shown: String = uri.chars().take(80).collect();
     ImportError::ExternalUri(format!(
-        "{place} refers to the file {shown:?} outside the upload: pack everything into one GLB, or \
+        "{place} refers to the file {shown:?} beside it: pack everything into one GLB, or \
          embed it as a data URI"
     ))
 }

@@ -25,7 +25,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks<'_>, ImportError> {
     let word = |at: u64| u32_at(bytes, at);
     let (Some(magic), Some(version), Some(length)) = (word(0), word(4), word(8)) else {
         return Err(ImportError::invalid(format!(
-            "the GLB header needs 12 bytes and the file has {}: it is truncated, upload it again",
+            "the GLB header needs 12 bytes and the file has {}: it is truncated, take a whole copy",
             bytes.len()
         )));
     };
@@ -40,7 +40,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks<'_>, ImportError> {
     let (length, held) = (u64::from(length), bytes.len() as u64);
     if length > held || length < HEADER {
         return Err(ImportError::invalid(format!(
-            "the GLB header says {length} bytes and the file has {held}: it is truncated, upload it again"
+            "the GLB header says {length} bytes and the file has {held}: it is truncated, take a whole copy"
         )));
     }
     let (mut json, mut bin, mut passed_over) = (None, None, length < held);
@@ -76,7 +76,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks<'_>, ImportError> {
 
 fn truncated(number: u32, at: u64) -> ImportError {
     ImportError::invalid(format!(
-        "chunk {number} of the GLB file, at byte {at}, runs past the end: it is truncated, upload it again"
+        "chunk {number} of the GLB file, at byte {at}, runs past the end: it is truncated, take a whole copy"
     ))
 }
 

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::view::GltfView;
 use crate::mesh::import::ImportError;
+use crate::mesh::scene::Instance;
 
 /// A mesh of the default scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,18 +25,25 @@ pub(super) struct Hierarchy {
     pub parents: Vec<Option<usize>>,
     /// The meshes of the default scene in the order of their first use, depth-first.
     pub uses: Vec<MeshUse>,
+    /// Every use of a mesh by the default scene, depth-first.
+    pub instances: Vec<Instance>,
 }
 
 /// Read the hierarchy. A document without scenes shows all its root nodes.
 pub(super) fn read(view: &GltfView, most_depth: u32) -> Result<Hierarchy, ImportError> {
     let parents = parents(view)?;
     check_depth(view, &parents, most_depth)?;
-    let uses = mesh_uses(view, &parents)?;
-    Ok(Hierarchy { parents, uses })
+    let (uses, instances) = mesh_uses(view, &parents)?;
+    Ok(Hierarchy { parents, uses, instances })
 }
 
-fn mesh_uses(view: &GltfView, parents: &[Option<usize>]) -> Result<Vec<MeshUse>, ImportError> {
+/// The meshes that are shown, and every use of them.
+fn mesh_uses(
+    view: &GltfView,
+    parents: &[Option<usize>],
+) -> Result<(Vec<MeshUse>, Vec<Instance>), ImportError> {
     let mut uses: Vec<MeshUse> = Vec::new();
+    let mut instances = Vec::new();
     let mut use_of_mesh = vec![None; view.meshes.len()];
     let mut visited = vec![false; view.nodes.len()];
     let mut stack: Vec<(usize, DMat4)> =
@@ -53,6 +61,7 @@ fn mesh_uses(view: &GltfView, parents: &[Option<usize>]) -> Result<Vec<MeshUse>,
                     "node {index} shows mesh {mesh}, which does not exist: there are {held}"
                 ))
             })?;
+            instances.push(Instance { mesh: mesh as u32, node: index as u32, world });
             match *first {
                 None => {
                     *first = Some(uses.len());
@@ -64,7 +73,7 @@ fn mesh_uses(view: &GltfView, parents: &[Option<usize>]) -> Result<Vec<MeshUse>,
         }
         stack.extend(children(node).rev().map(|child| (child, world)));
     }
-    Ok(uses)
+    Ok((uses, instances))
 }
 
 fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> {

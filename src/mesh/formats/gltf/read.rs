@@ -61,7 +61,8 @@ fn shown(json: &Value, buffers: &[Bytes], limits: &Limits) -> Result<Scene, Impo
         texture_sets: BTreeSet::new(),
         scene: Scene { texcoord_origin: TexcoordOrigin::TopLeft, ..Scene::default() },
     };
-    let Hierarchy { parents, uses } = hierarchy::read(&reader.view, limits.node_depth)?;
+    let Hierarchy { parents, uses, instances } = hierarchy::read(&reader.view, limits.node_depth)?;
+    reader.scene.instances = instances;
     for used in uses {
         for number in 0..reader.view.meshes[used.mesh].primitives.len() {
             reader.primitive(&used, number)?;
@@ -325,15 +326,6 @@ impl<'a> Reader<'a> {
             self.labels.resize(self.faces as usize, UNKNOWN);
             self.scene.labels = Some(std::mem::take(&mut self.labels));
         }
-        if !self.texture_sets.is_empty() {
-            let sets: Vec<_> = self.texture_sets.iter().map(|s| format!("TEXCOORD_{s}")).collect();
-            let message = format!(
-                "textures are drawn through {}: they stay as they are and no longer fit where that \
-                 set is replaced; choose another uv_channel to keep it",
-                sets.join(", ")
-            );
-            self.warn(WarningCode::Textured, message);
-        }
         let named = |list, index| self.name(list, index).unwrap_or_default();
         let nodes = self.view.nodes.iter().zip(parents).enumerate();
         let node = |(i, (node, parent)): (usize, (_, &Option<usize>))| Node {
@@ -348,7 +340,8 @@ impl<'a> Reader<'a> {
         let materials = self.view.json.get("materials").and_then(Value::as_array);
         let materials = 0..materials.map_or(0, Vec::len);
         let materials = materials.map(|i| Material { name: named("materials", i) }).collect();
-        Scene { nodes, meshes, materials, ..self.scene }
+        let texture_sets = self.texture_sets.into_iter().collect();
+        Scene { nodes, meshes, materials, texture_sets, ..self.scene }
     }
 }
 
