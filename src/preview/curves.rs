@@ -18,21 +18,22 @@ const MARGIN: usize = 72;
 pub struct Curve {
     /// Its name.
     pub name: String,
-    /// (step, value), in order of step.
+    /// (step, or whatever is counted from left to right, value), in its order.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Panels one below the other, each with its title and curves, values from 0.
-pub fn curves_png(panels: &[(String, Vec<Curve>)]) -> Result<Vec<u8>, PreviewError> {
+/// Panels one below the other, each with its title and curves, values from 0; `along` says what is counted from
+/// left to right.
+pub fn curves_png(panels: &[(String, Vec<Curve>)], along: &str) -> Result<Vec<u8>, PreviewError> {
     let paper = Vec3::splat(0.95);
     let mut page = Canvas::gradient(WIDTH, HEIGHT * panels.len().max(1), paper, paper);
     for (i, (title, curves)) in panels.iter().enumerate() {
-        panel(&mut page, i * HEIGHT, title, curves);
+        panel(&mut page, i * HEIGHT, title, curves, along);
     }
     Ok(encode_png(&page, png::Compression::Balanced)?)
 }
 
-fn panel(page: &mut Canvas, top: usize, title: &str, curves: &[Curve]) {
+fn panel(page: &mut Canvas, top: usize, title: &str, curves: &[Curve], along: &str) {
     let ink = Vec3::splat(0.05);
     let points = || curves.iter().flat_map(|c| &c.points).filter(|p| p.1.is_finite());
     let steps = points().map(|p| p.0).fold(1.0, f64::max);
@@ -56,7 +57,7 @@ fn panel(page: &mut Canvas, top: usize, title: &str, curves: &[Curve]) {
     }
     page.lay(&frame.scaled(0.25), ink);
     text::write(page, title, [MARGIN, top + 8], WIDTH / 3, ink);
-    let steps_text = format!("{steps:.0} steps");
+    let steps_text = format!("{steps:.0} {along}");
     text::write(page, &steps_text, [WIDTH - 140, top + HEIGHT - 30], 140, ink);
     for (i, curve) in (0u32..).zip(curves) {
         let color = Vec3::from(part_color(i + 1).map(|c| (f32::from(c) / 255.0).powf(2.2) * 0.7));
@@ -82,7 +83,7 @@ mod tests {
         let curves = vec![Curve { name: "loss".into(), points }];
         let paper = Vec3::splat(0.95);
         let mut page = Canvas::gradient(WIDTH, HEIGHT, paper, paper);
-        panel(&mut page, 0, "", &curves);
+        panel(&mut page, 0, "", &curves, "steps");
         let color = Vec3::from(part_color(1).map(|c| (f32::from(c) / 255.0).powf(2.2) * 0.7));
         // Where a column is nearest to the curve's color.
         let drawn = |x: usize| {
@@ -91,6 +92,6 @@ mod tests {
         };
         let (left, right) = (drawn(MARGIN + 8), drawn(WIDTH - 40));
         assert!(left + 100 < right, "{left} {right}");
-        assert!(curves_png(&[("a".into(), curves)]).unwrap().starts_with(b"\x89PNG"));
+        assert!(curves_png(&[("a".into(), curves)], "steps").unwrap().starts_with(b"\x89PNG"));
     }
 }

@@ -89,7 +89,7 @@ impl Folder {
         self.write("optimizer.bin", &moments)?;
         let text = serde_json::to_vec(state).map_err(|e| fault(&self.0, e))?;
         self.write("state.json", &text)?;
-        let picture = curves_png(&panels(state)).map_err(|e| fault(&self.0, e))?;
+        let picture = curves_png(&panels(state), "steps").map_err(|e| fault(&self.0, e))?;
         self.write("curves.png", &picture)
     }
 

@@ -123,8 +123,8 @@ pub fn run(args: Args) -> Result<()> {
         curves.push(Curve { name: name.into(), points });
     }
     if let Some(path) = &args.plot {
-        let panel = ("share of parts named rightly, by confidence".to_owned(), curves);
-        std::fs::write(path, curves_png(&[panel])?)
+        let panel = ("named rightly".to_owned(), curves);
+        std::fs::write(path, curves_png(&[panel], "(confidence)")?)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
