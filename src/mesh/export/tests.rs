@@ -377,3 +377,11 @@ proptest! {
         prop_assert_eq!(1.0 - f64::from(1.0 - v), f64::from(b));
     }
 }
+
+#[test]
+fn numbers_of_a_document_come_back_as_they_were() {
+    for text in ["0.9019607843137255", "-36.17963027954102", "0.08848590403795242", "1e-7", "3"] {
+        let value: Value = serde_json::from_str(text).unwrap();
+        assert_eq!(value.to_string(), text);
+    }
+}
