@@ -75,7 +75,8 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     let faces = FaceTraits { normals: &normals, components: &components, turned: &reversed };
     let twin = pair(&triangles, &faces, &groups);
     run.cancel.check()?;
-    let sheet_mate = sheet_mates(&triangles, &usable);
+    let by_place = by_place(&triangles, &usable);
+    let sheet_mate = sheet_mates(&by_place, triangles.len());
     let existing_seams = existing_seams(scene, &reversed, &twin);
 
     let used = ids.iter().copied().max().map_or(0, |m| m as u64 + 1);
@@ -86,7 +87,7 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         split_vertices: split_vertices(&triangles, &usable, &twin),
         reoriented_faces: reversed.iter().filter(|r| **r).count() as u64,
         double_sided_faces: sheet_mate.iter().filter(|&&m| m != NONE).count() as u64,
-        duplicate_faces: duplicates(&triangles, &usable, &reversed),
+        duplicate_faces: duplicates(&by_place, &reversed),
         ..Default::default()
     };
     Ok(Surface {
@@ -194,17 +195,23 @@ fn number_components(origins: &mut [FaceOrigin], groups: &EdgeGroups) {
     }
 }
 
-/// For each face the one with the same vertices and the opposite winding.
-fn sheet_mates(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<u32> {
-    let mut keyed: Vec<([u32; 3], bool, u32)> = Vec::with_capacity(triangles.len());
+/// The faces with area, those of the same vertices one after the other, first those of one winding: sorted
+/// vertices, winding, face.
+fn by_place(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<([u32; 3], bool, u32)> {
+    let mut keyed = Vec::with_capacity(triangles.len());
     for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
         let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
         let [a, b, c] = [t[least], t[(least + 1) % 3], t[(least + 2) % 3]];
         keyed.push(([a, b.min(c), b.max(c)], b < c, f as u32));
     }
     keyed.sort_unstable();
-    let mut mates = vec![NONE; triangles.len()];
-    for group in keyed.chunk_by(|x, y| x.0 == y.0) {
+    keyed
+}
+
+/// For each face the one with the same vertices and the opposite winding.
+fn sheet_mates(by_place: &[([u32; 3], bool, u32)], faces: usize) -> Vec<u32> {
+    let mut mates = vec![NONE; faces];
+    for group in by_place.chunk_by(|x, y| x.0 == y.0) {
         let split = group.partition_point(|x| !x.1);
         let (left, right) = group.split_at(split);
         for (l, r) in left.iter().zip(right) {
@@ -216,17 +223,13 @@ fn sheet_mates(triangles: &[[u32; 3]], usable: &[bool]) -> Vec<u32> {
 }
 
 /// Faces that stand where another of the same winding in the file does, less one each.
-fn duplicates(triangles: &[[u32; 3]], usable: &[bool], reversed: &[bool]) -> u64 {
-    let mut keys: Vec<([u32; 3], bool)> = Vec::with_capacity(triangles.len());
-    for (f, t) in triangles.iter().enumerate().filter(|&(f, _)| usable[f]) {
-        let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
-        let [a, b, c] = [t[least], t[(least + 1) % 3], t[(least + 2) % 3]];
-        keys.push(([a, b.min(c), b.max(c)], (b < c) != reversed[f]));
-    }
-    let faces = keys.len();
-    keys.sort_unstable();
-    keys.dedup();
-    (faces - keys.len()) as u64
+fn duplicates(by_place: &[([u32; 3], bool, u32)], reversed: &[bool]) -> u64 {
+    let copies = |group: &[([u32; 3], bool, u32)]| {
+        let in_file = |x: &&([u32; 3], bool, u32)| x.1 != reversed[x.2 as usize];
+        let one_way = group.iter().filter(in_file).count();
+        one_way.saturating_sub(1) + (group.len() - one_way).saturating_sub(1)
+    };
+    by_place.chunk_by(|x, y| x.0 == y.0).map(copies).sum::<usize>() as u64
 }
 
 /// How many fans of faces there are beyond one a vertex (bow ties, non-manifold vertices).
