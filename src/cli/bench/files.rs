@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, Result, anyhow, bail};
+use serde::Serialize;
 
 use crate::contract::MeshKind;
 
@@ -53,6 +54,16 @@ impl Shard {
         };
         Ok(files.into_iter().enumerate().filter_map(own).collect())
     }
+}
+
+/// Write one JSON line a row.
+pub fn write_rows<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
+    let mut lines = String::new();
+    for row in rows {
+        lines += &serde_json::to_string(row)?;
+        lines += "\n";
+    }
+    std::fs::write(path, lines).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// The meshes under a folder that a list names, in its order. The list has one file name without its

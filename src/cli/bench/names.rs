@@ -2,7 +2,6 @@
 //! calibration is fitted anew on all families but those that it is then tried on.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -11,7 +10,7 @@ use serde::Serialize;
 
 use super::super::ending;
 use super::super::weights::WeightFlags;
-use super::files::{Shard, guarded, stem};
+use super::files::{Shard, guarded, stem, write_rows};
 use crate::contract::{ArtifactKind, Run};
 use crate::device::{DeviceChoice, choose};
 use crate::preview::{Curve, curves_png};
@@ -78,11 +77,7 @@ pub fn run(args: Args) -> Result<()> {
     };
     let rows: Vec<Row> = files.par_iter().flat_map_iter(one).collect();
     if let Some(path) = &args.output {
-        let mut out = std::fs::File::create(path)
-            .with_context(|| format!("cannot write {}", path.display()))?;
-        for row in &rows {
-            writeln!(out, "{}", serde_json::to_string(row)?)?;
-        }
+        write_rows(path, &rows)?;
     }
     let families: BTreeSet<&str> = rows.iter().map(|r| r.family.as_str()).collect();
     let fold: BTreeMap<&str, usize> =

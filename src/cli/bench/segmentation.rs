@@ -2,16 +2,15 @@
 //! next to connected components and to one part.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::super::weights::WeightFlags;
-use super::files::{Shard, guarded, named, stem};
+use super::files::{Shard, guarded, named, stem, write_rows};
 use crate::contract::{Run, SegmentationSource};
 use crate::device::{DeviceChoice, choose};
 use crate::mesh::Surface;
@@ -103,11 +102,7 @@ pub fn run(args: Args) -> Result<()> {
     };
     let rows: Vec<Row> = files.par_iter().filter_map(one).collect();
     if let Some(path) = &args.output {
-        let mut out = std::fs::File::create(path)
-            .with_context(|| format!("cannot write {}", path.display()))?;
-        for row in &rows {
-            writeln!(out, "{}", serde_json::to_string(row)?)?;
-        }
+        write_rows(path, &rows)?;
     }
     print(&rows, &args);
     Ok(())
