@@ -8,9 +8,7 @@ use super::joint;
 use super::parts::{Found, Solvers};
 use super::regions::{self, Regions};
 use crate::charts::{self, Chart, ChartOptions, Orders};
-use crate::contract::{
-    GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions, WarningCode,
-};
+use crate::contract::{GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// Times that the bound may be raised, and that the number of borders which give way is halved.
@@ -28,6 +26,8 @@ pub struct Cut {
     pub regions: Regions,
     /// How the two ways of joining compared.
     pub joint_seams: Option<JointSeams>,
+    /// Why there are more than `max_charts`, where it is so.
+    pub missed: Option<String>,
 }
 
 /// Cut the parts into charts.
@@ -82,7 +82,7 @@ impl Cutter<'_> {
                 gain: (baseline > 0.0).then(|| (baseline - best) / baseline),
             }
         });
-        Ok(Cut { charts: built.charts, regions: regions.clone(), joint_seams })
+        Ok(Cut { charts: built.charts, regions: regions.clone(), joint_seams, missed: None })
     }
 
     /// At most `most` charts, or as few as can be.
@@ -121,8 +121,10 @@ impl Cutter<'_> {
                 best = without;
             }
         }
+        let mut stopped = false;
         for _ in 0..ROUNDS {
             if late() {
+                stopped = true;
                 break;
             }
             how.distortion_bound *= RAISE;
@@ -134,20 +136,19 @@ impl Cutter<'_> {
                 return Ok(best);
             }
         }
-        let reason = reason(&self.solvers.surface, &best.regions, how.distortion_bound, most);
-        let reason = match late() {
+        let missed = match stopped {
             true => "the job's time was too short to look for fewer".to_owned(),
-            false => reason,
+            false => {
+                let least = parts.joined(found, &joins);
+                why_no_fewer(&self.solvers.surface, &least, how.distortion_bound, most)
+            }
         };
-        let message =
-            format!("there are {} charts and `max_charts` is {most}: {reason}", best.charts.len());
-        self.run.warn(WarningCode::MaxChartsMissed, message);
-        Ok(best)
+        Ok(Cut { missed: Some(missed), ..best })
     }
 }
 
-/// Why there can be no fewer charts.
-fn reason(surface: &Surface, regions: &Regions, bound: f64, most: usize) -> String {
+/// Why there are no fewer charts. `regions`: what is left where all borders that may give way did.
+fn why_no_fewer(surface: &Surface, regions: &Regions, bound: f64, most: usize) -> String {
     let pieces = |divided: bool| {
         let of = |f: u32| regions.of_face[f as usize];
         let mut sets = DisjointSets::new(surface.face_count());
@@ -179,58 +180,47 @@ fn reason(surface: &Surface, regions: &Regions, bound: f64, most: usize) -> Stri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{AtlasGrouping, Degradation, PartJoin, Progress, SegmentationSource};
+    use crate::contract::{AtlasGrouping, Degradation, PartJoin, SegmentationSource};
     use crate::pipeline::scenes;
     use crate::segmentation::{Part, PartLabels};
 
-    /// Hills that need several charts, and what is told of their cut.
-    fn hills(max_charts: Option<u32>, run: &Run) -> Vec<Chart> {
+    /// The cut of hills that need several charts.
+    fn hills(max_charts: Option<u32>) -> Cut {
         let text = scenes::sheet(10, |x, y| (x + 0.5 * y).sin() + (0.7 * y).cos());
         let options = UnwrapOptions { max_charts, ..scenes::options() };
-        scenes::cut(&text, &options, run).2.charts
-    }
-
-    fn warnings(told: &[Progress]) -> Vec<&str> {
-        let missed = told.iter().filter_map(|p| match p {
-            Progress::Warning(w) if w.code == WarningCode::MaxChartsMissed => Some(&w.message[..]),
-            _ => None,
-        });
-        missed.collect()
+        scenes::cut(&text, &options, &Run::quiet()).2
     }
 
     #[test]
     fn fewer_charts_are_made_when_asked() {
-        let (run, told) = scenes::watched();
-        let free = hills(None, &run);
-        assert!(free.len() >= 4, "{} charts", free.len());
-        let most = free.len() / 2;
-        let fewer = hills(Some(most as u32), &run);
-        assert!(fewer.len() <= most, "{} charts", fewer.len());
-        let faces: usize = fewer.iter().map(|c| c.faces.len()).sum();
+        let free = hills(None);
+        assert!(free.charts.len() >= 4, "{} charts", free.charts.len());
+        let most = free.charts.len() / 2;
+        let fewer = hills(Some(most as u32));
+        assert!(fewer.charts.len() <= most, "{} charts", fewer.charts.len());
+        let faces: usize = fewer.charts.iter().map(|c| c.faces.len()).sum();
         assert_eq!(faces, 200);
         // Who asks for no fewer than there are gets the same.
-        assert_eq!(hills(Some(free.len() as u32), &run), free);
-        assert!(warnings(&told.lock().unwrap()).is_empty());
+        let as_many = hills(Some(free.charts.len() as u32));
+        assert_eq!(as_many.charts, free.charts);
+        assert!([free, fewer, as_many].iter().all(|cut| cut.missed.is_none()));
     }
 
     #[test]
-    fn an_aim_that_cannot_be_met_is_told() {
-        let (run, told) = scenes::watched();
+    fn an_aim_that_cannot_be_met_has_its_reason() {
         let options = UnwrapOptions { max_charts: Some(2), ..scenes::options() };
-        let (_, _, cut) = scenes::cut(&scenes::squares(3), &options, &run);
+        let (_, _, cut) = scenes::cut(&scenes::squares(3), &options, &Run::quiet());
         assert_eq!(cut.charts.len(), 3);
-        let told = told.lock().unwrap();
-        let [said] = warnings(&told)[..] else { panic!("{told:?}") };
-        let why = "there are 3 charts and `max_charts` is 2: 3 pieces of the mesh share no edge, and each needs";
-        assert!(said.starts_with(why), "{said}");
+        let why = "3 pieces of the mesh share no edge, and each needs a chart of its own";
+        assert_eq!(cut.missed.as_deref(), Some(why));
     }
 
-    /// A sheet of 2 × 8 cells in four parts of two cells' width each, drawn by `source`, less certain from left
-    /// to right, and what is told of its cut.
-    fn striped(source: SegmentationSource, max_charts: u32, run: &Run) -> (Found, Cut) {
-        let text = scenes::sheet(8, |_, _| 0.0);
+    /// The cut of a sheet of 8 × 8 cells in four parts, stripes of two cells' width, drawn by `source`, less
+    /// certain from left to right.
+    fn striped(source: SegmentationSource, max_charts: u32) -> Cut {
+        let (text, run) = (scenes::sheet(8, |_, _| 0.0), Run::quiet());
         let options = UnwrapOptions { max_charts: Some(max_charts), ..scenes::options() };
-        let (mut found, solvers) = scenes::found(&text, &options, run);
+        let (mut found, solvers) = scenes::found(&text, &options, &run);
         let part =
             |id| Part { id, name: id.to_string(), source, confidence: 0.9, name_confidence: None };
         let join = |(a, b, boundary)| PartJoin { a, b, boundary };
@@ -240,42 +230,45 @@ mod tests {
             joins: [(2, 3, 0.6), (1, 2, 0.7), (0, 1, 0.8)].map(join).to_vec(),
         };
         found.densities = vec![1.0; 4];
-        let cut = cut(&found, &solvers, &options, &scenes::engine(), run).unwrap();
-        (found, cut)
+        cut(&found, &solvers, &options, &scenes::engine(), &run).unwrap()
     }
 
     #[test]
     fn borders_that_only_the_network_draws_give_way_the_least_certain_first() {
         for (most, own) in [(4, [0, 1, 2, 3]), (3, [0, 1, 2, 2]), (2, [0, 1, 1, 1]), (1, [0; 4])] {
-            let (run, told) = scenes::watched();
-            let cut = striped(SegmentationSource::Learned, most, &run).1;
+            let cut = striped(SegmentationSource::Learned, most);
             assert_eq!(cut.charts.len(), most as usize);
             assert_eq!([0, 4, 8, 12].map(|f| cut.regions.of_face[f]), own);
-            assert!(warnings(&told.lock().unwrap()).is_empty());
+            assert_eq!(cut.missed, None);
         }
     }
 
     #[test]
     fn borders_that_were_given_stay_and_are_the_reason() {
-        let (run, told) = scenes::watched();
-        let cut = striped(SegmentationSource::Labels, 2, &run).1;
+        let cut = striped(SegmentationSource::Labels, 2);
         assert_eq!(cut.charts.len(), 4);
-        let told = told.lock().unwrap();
-        let [said] = warnings(&told)[..] else { panic!("{told:?}") };
+        let said = cut.missed.unwrap();
         assert!(said.contains("divide it into 4 pieces"), "{said}");
     }
 
     #[test]
     fn what_does_not_open_is_told_as_that() {
-        // A sphere in one chart would have to be folded, whatever the bound.
-        let (run, told) = scenes::watched();
-        let options = UnwrapOptions { max_charts: Some(1), ..scenes::options() };
-        let (_, _, cut) = scenes::cut(&scenes::sphere(12), &options, &run);
-        if cut.charts.len() > 1 {
-            let told = told.lock().unwrap();
-            let [said] = warnings(&told)[..] else { panic!("{told:?}") };
-            assert!(said.contains("does not open into so few"), "{said}");
-        }
+        // A sphere, and a bound so low that it is missed still when it was raised.
+        let options =
+            UnwrapOptions { max_charts: Some(1), distortion_bound: 1e-6, ..scenes::options() };
+        let (_, _, cut) = scenes::cut(&scenes::sphere(6), &options, &Run::quiet());
+        assert!(cut.charts.len() > 1);
+        let said = cut.missed.unwrap();
+        assert!(said.starts_with("it does not open into so few"), "{said}");
+    }
+
+    #[test]
+    fn an_aim_that_there_was_no_time_for_has_that_reason() {
+        let run = scenes::late(52);
+        let options =
+            UnwrapOptions { max_charts: Some(1), distortion_bound: 1e-6, ..scenes::options() };
+        let (_, _, cut) = scenes::cut(&scenes::sphere(6), &options, &run);
+        assert!(cut.missed.unwrap().contains("time was too short"));
     }
 
     #[test]

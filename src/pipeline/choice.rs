@@ -9,56 +9,89 @@ use super::finish::{self, CertifiedAtlas};
 use super::maps::{self, Mapped};
 use super::parts::{Found, Solvers};
 use crate::charts;
-use crate::contract::{GaveUp, JointSeams, Quality, Run, Scarce, Stage, StopAfter, UnwrapOptions};
+use crate::contract::{
+    GaveUp, JointSeams, Quality, Run, Scarce, Stage, StopAfter, UnwrapOptions, WarningCode,
+};
 use crate::flatten::{self, UvMap};
 use crate::mesh::Surface;
 
-/// Cut, map, pack and certify. Says what training the seams was worth, where it was tried.
+/// An atlas, and how it was come by.
+pub struct Made {
+    /// The atlas.
+    pub atlas: CertifiedAtlas,
+    /// What training the seams was worth, where it was tried.
+    pub joint_seams: Option<JointSeams>,
+    /// Why its cut has more than `max_charts`, where it has.
+    missed: Option<String>,
+}
+
+/// Cut, map, pack and certify. Tells where there are more charts than were asked for.
 pub fn atlas(
     found: &Found,
     solvers: &Solvers,
     options: &UnwrapOptions,
     engine: &Engine,
     run: &Run,
-) -> Result<(CertifiedAtlas, Option<JointSeams>), Cause> {
+) -> Result<Made, Cause> {
+    let made = best_of(found, solvers, options, engine, run)?;
+    let charts = made.atlas.charts.len();
+    if let Some(most) = options.max_charts.filter(|&most| charts > most as usize) {
+        let divided = "some had to be divided so that their coordinates are valid";
+        let reason = made.missed.as_deref().unwrap_or(divided);
+        let message = format!("there are {charts} charts and `max_charts` is {most}: {reason}");
+        run.warn(WarningCode::MaxChartsMissed, message);
+    }
+    Ok(made)
+}
+
+fn best_of(
+    found: &Found,
+    solvers: &Solvers,
+    options: &UnwrapOptions,
+    engine: &Engine,
+    run: &Run,
+) -> Result<Made, Cause> {
     let cut = |quality| {
         let options = UnwrapOptions { quality, ..options.clone() };
         charting::cut(found, solvers, &options, engine, run)
     };
     let finish = |cut: Cut, quality| {
         let options = UnwrapOptions { quality, ..options.clone() };
+        let Cut { charts, regions, joint_seams, missed } = cut;
         let mapped = match options.stop_after {
-            Some(StopAfter::Charts) => maps::untrained(cut.charts),
-            _ => maps::trained(found, solvers, cut.charts, &options, engine, run)?,
+            Some(StopAfter::Charts) => maps::untrained(charts),
+            _ => maps::trained(found, solvers, charts, &options, engine, run)?,
         };
-        finish::pack_and_certify(found, solvers, &cut.regions, mapped, &options, run)
+        let atlas = finish::pack_and_certify(found, solvers, &regions, mapped, &options, run)?;
+        Ok::<_, Cause>(Made { atlas, joint_seams, missed })
     };
     let quality = options.quality;
     if quality != Quality::Best || options.stop_after.is_some() {
-        let cut = cut(quality)?;
-        let joint_seams = cut.joint_seams;
-        return Ok((finish(cut, quality)?, joint_seams));
+        return finish(cut(quality)?, quality);
     }
     let usual = cut(Quality::Balanced)?;
-    let again = usual.clone();
-    let balanced = finish(usual, Quality::Balanced)?;
+    let balanced = finish(usual.clone(), Quality::Balanced)?;
     if run.is_late(Stage::Charts) {
         run.give_up(Stage::Charts, GaveUp::JointSeams, Scarce::Time);
-        return Ok((balanced, None));
+        return Ok(balanced);
     }
-    let worth = Worth::of(solvers, &balanced, options);
-    // Seams that were trained with the maps, and all charts trained.
-    let trained = cut(Quality::Best)?;
-    let joint_seams = trained.joint_seams;
-    let best = finish(trained, Quality::Best)?;
-    if Worth::of(solvers, &best, options).is_no_worse_than(&worth) {
-        return Ok((best, joint_seams));
+    let worth = Worth::of(solvers, &balanced.atlas, options);
+    let is_no_worse =
+        |made: &Made| Worth::of(solvers, &made.atlas, options).is_no_worse_than(&worth);
+    // Seams that were trained with the maps, and all charts trained …
+    let best = finish(cut(Quality::Best)?, Quality::Best)?;
+    if is_no_worse(&best) {
+        return Ok(best);
     }
-    // The usual seams, and all charts trained; or the usual result.
-    let joint_seams = joint_seams.map(|seams| JointSeams { kept: 0, gain: Some(0.0), ..seams });
-    let best = finish(again, Quality::Best)?;
-    let is_better = Worth::of(solvers, &best, options).is_no_worse_than(&worth);
-    Ok((if is_better { best } else { balanced }, joint_seams))
+    // … the usual seams, and all charts trained; or the usual result. Trained seams gained nothing then.
+    let joint_seams = best.joint_seams.map(|seams| JointSeams {
+        kept: 0,
+        gain: seams.gain.map(|_| 0.0),
+        ..seams
+    });
+    let again = finish(usual, Quality::Best)?;
+    let made = if is_no_worse(&again) { again } else { balanced };
+    Ok(Made { joint_seams, ..made })
 }
 
 /// The objective of an atlas's charts.
@@ -112,9 +145,8 @@ mod tests {
             let (found, solvers) = scenes::found(&text, &scenes::options(), &run);
             let by = |quality| {
                 let options = UnwrapOptions { quality, steps: 10, ..scenes::options() };
-                let (atlas, seams) =
-                    atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
-                (Worth::of(&solvers, &atlas, &options), seams)
+                let made = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
+                (Worth::of(&solvers, &made.atlas, &options), made.joint_seams)
             };
             let ((best, seams), (balanced, none)) = (by(Quality::Best), by(Quality::Balanced));
             assert!(best.is_no_worse_than(&balanced));
@@ -127,8 +159,30 @@ mod tests {
         let run = scenes::late(52);
         let (found, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let options = UnwrapOptions { quality: Quality::Best, ..scenes::options() };
-        let (_, seams) = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
-        assert_eq!(seams, None);
+        let made = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
+        assert_eq!(made.joint_seams, None);
         assert!(run.budget.degraded().iter().any(|d| d.gave_up == GaveUp::JointSeams));
+    }
+
+    #[test]
+    fn what_is_told_of_the_aim_is_so_of_what_ships() {
+        for quality in [Quality::Fast, Quality::Best] {
+            let run = Run::quiet();
+            let options = UnwrapOptions { quality, max_charts: Some(2), ..scenes::options() };
+            let (found, solvers) = scenes::found(&scenes::squares(3), &options, &run);
+            let made = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
+            assert_eq!(made.atlas.charts.len(), 3);
+            let told = run.warnings();
+            let [said] = &told[..] else { panic!("{told:?}") };
+            let why =
+                "there are 3 charts and `max_charts` is 2: 3 pieces of the mesh share no edge";
+            assert!(said.message.starts_with(why), "{said:?}");
+        }
+        // An aim that is met is not told.
+        let run = Run::quiet();
+        let options = UnwrapOptions { max_charts: Some(3), ..scenes::options() };
+        let (found, solvers) = scenes::found(&scenes::squares(3), &options, &run);
+        atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
+        assert!(run.warnings().is_empty());
     }
 }

@@ -109,9 +109,9 @@ fn stages(
     if options.stop_after == Some(StopAfter::Segmentation) {
         return report::segmentation_only(scene, &found, engine, run);
     }
-    let (finished, joint_seams) = choice::atlas(&found, &solvers, options, engine, run)?;
-    maps::tell_parts(&found, &finished.charts, run);
-    report::whole(scene, &found, &finished, joint_seams, options, engine, run)
+    let made = choice::atlas(&found, &solvers, options, engine, run)?;
+    maps::tell_parts(&found, &made.atlas.charts, run);
+    report::whole(scene, &found, &made.atlas, made.joint_seams, options, engine, run)
 }
 
 #[cfg(test)]
