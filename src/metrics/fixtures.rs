@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::{NONE, Surface};
+use crate::metrics::Measured;
 
 /// A surface from welded triangles; half-edges of opposite direction are twins, the flattest first.
 pub(crate) fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
@@ -107,4 +108,27 @@ pub(crate) fn cube() -> (Surface, Vec<[[f32; 2]; 3]>) {
         uvs.extend([[p[0], p[1], p[2]], [p[0], p[2], p[3]]]);
     }
     (surface(positions, triangles), uvs)
+}
+
+/// A result on one page; charts and parts are numbered from 0.
+pub(crate) fn measured<'a>(
+    surface: &'a Surface,
+    uvs: &'a [[[f32; 2]; 3]],
+    chart_of: &'a [u32],
+    part_of: &'a [u32],
+) -> Measured<'a> {
+    let count = |of: &[u32]| of.iter().filter(|c| **c != NONE).max().map_or(0, |m| *m as usize + 1);
+    Measured {
+        surface,
+        uvs,
+        chart_of,
+        part_of,
+        charts: count(chart_of),
+        parts: count(part_of),
+        boundary_labels: None,
+        page_size: 1024,
+        pages: 1,
+        page_of: &[],
+        chamfer: &[],
+    }
 }

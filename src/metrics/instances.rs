@@ -34,36 +34,23 @@ pub fn transformed_dirichlet(input: &Measured, faces: &[u32], transform: DMat3) 
 mod tests {
     use glam::DVec3;
 
+    use super::super::fixtures;
     use super::*;
-    use crate::contract::Run;
-    use crate::mesh::{Scene, condition};
 
     #[test]
     fn a_square_stretched_to_twice_its_length_has_the_energy_of_that() {
         let corners = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
         let corners = corners.map(DVec3::from_array).to_vec();
-        let scene = Scene::from_triangles(corners, vec![[0, 1, 2], [0, 2, 3]]);
-        let surface = condition(&scene, &Run::quiet()).unwrap();
-        let mut input = Measured {
-            surface: &surface,
-            uvs: &[[[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]], [[0.0, 0.0], [0.5, 0.5], [0.0, 0.5]]],
-            chart_of: &[0, 0],
-            part_of: &[0, 0],
-            charts: 1,
-            parts: 1,
-            boundary_labels: None,
-            page_size: 64,
-            pages: 1,
-            page_of: &[],
-            chamfer: &[],
+        let surface = fixtures::surface(corners, vec![[0, 1, 2], [0, 2, 3]]);
+        let uvs = [[[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]], [[0.0, 0.0], [0.5, 0.5], [0.0, 0.5]]];
+        let by = |chart: u32, x: f64| {
+            let chart_of = [chart; 2];
+            let input = fixtures::measured(&surface, &uvs, &chart_of, &[0, 0]);
+            transformed_dirichlet(&input, &[0, 1], DMat3::from_diagonal(DVec3::new(x, 1.0, 1.0)))
         };
-        let by = |input: &Measured, x: f64| {
-            transformed_dirichlet(input, &[0, 1], DMat3::from_diagonal(DVec3::new(x, 1.0, 1.0)))
-        };
-        assert!((by(&input, 1.0).unwrap() - 1.0).abs() < 1e-12);
+        assert!((by(0, 1.0).unwrap() - 1.0).abs() < 1e-12);
         // ½ √((¼ + 1)(4 + 1))
-        assert!((by(&input, 2.0).unwrap() - 1.25).abs() < 1e-12);
-        input.chart_of = &[NONE, NONE];
-        assert_eq!(by(&input, 1.0), None);
+        assert!((by(0, 2.0).unwrap() - 1.25).abs() < 1e-12);
+        assert_eq!(by(NONE, 1.0), None);
     }
 }

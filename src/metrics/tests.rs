@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use super::fixtures;
 use super::fixtures::{cube, grid, surface, uvs};
 use super::{Measured, MeasuredFigures, measure, packing_efficiency};
 use crate::contract::{Budget, Cancel, Run};
@@ -17,20 +18,7 @@ fn measured<'a>(
     part_of: &'a [u32],
     boundary_labels: Option<&'a [i32]>,
 ) -> Measured<'a> {
-    let count = |of: &[u32]| of.iter().filter(|c| **c != NONE).max().map_or(0, |m| *m as usize + 1);
-    Measured {
-        surface,
-        uvs,
-        chart_of,
-        part_of,
-        charts: count(chart_of),
-        parts: count(part_of),
-        boundary_labels,
-        page_size: 1024,
-        pages: 1,
-        page_of: &[],
-        chamfer: &[],
-    }
+    Measured { boundary_labels, ..fixtures::measured(surface, uvs, chart_of, part_of) }
 }
 
 fn one_chart(surface: &Surface, uvs: &[[[f32; 2]; 3]]) -> MeasuredFigures {

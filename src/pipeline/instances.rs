@@ -1,58 +1,77 @@
 //! The instances of the scene's meshes: what is measured of them, and the object with all of them for the
 //! pictures.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DMat3;
 
 use super::parts::Found;
-use crate::contract::{InstanceMetrics, WorstInstance};
-use crate::mesh::Scene;
+use crate::contract::{Canceled, InstanceMetrics, Run, WorstInstance};
+use crate::mesh::{Other, Scene};
 use crate::metrics::{self, Measured};
-use crate::preview::Shown;
+use crate::preview::{self, WholeScene};
 
-/// The faces of a mesh of the scene.
-fn faces_of(scene: &Scene, found: &Found, mesh: u32) -> Vec<u32> {
-    let of = |f: &u32| {
-        let primitive = found.surface.origins[*f as usize].primitive;
-        scene.primitives[primitive as usize].mesh == mesh
-    };
-    (0..found.surface.face_count() as u32).filter(of).collect()
+/// The instances of a scene that shows meshes several times.
+pub struct Instances {
+    /// All instances.
+    count: u32,
+    /// Those that stand elsewhere than where their mesh was measured.
+    others: Vec<Other>,
+    /// The faces of each mesh.
+    faces: BTreeMap<u32, Vec<u32>>,
 }
 
-/// What the instances of the scene's meshes are, and the worst of them.
-pub fn metrics_of(scene: &Scene, found: &Found, measured: &Measured) -> Option<InstanceMetrics> {
-    let others = scene.other_instances();
-    if others.is_empty() {
-        return None;
+impl Instances {
+    /// `None` where each mesh stands once.
+    pub fn of(scene: &Scene, found: &Found) -> Option<Self> {
+        let others = scene.other_instances();
+        if others.is_empty() {
+            return None;
+        }
+        let mut faces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (f, origin) in (0u32..).zip(&found.surface.origins) {
+            faces.entry(scene.primitives[origin.primitive as usize].mesh).or_default().push(f);
+        }
+        Some(Self { count: scene.instances.len() as u32, others, faces })
     }
-    let uneven: Vec<_> = others.iter().filter(|other| other.is_uneven()).collect();
-    let mut faces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    let worst = uneven.iter().filter_map(|other| {
-        let faces = faces.entry(other.mesh).or_insert_with(|| faces_of(scene, found, other.mesh));
-        let transform = DMat3::from_mat4(other.transform);
-        let energy = metrics::transformed_dirichlet(measured, faces, transform)?;
-        Some(WorstInstance { node: other.node, symmetric_dirichlet: energy })
-    });
-    // The first of the worst.
-    let worst =
-        worst.reduce(|a, b| if b.symmetric_dirichlet > a.symmetric_dirichlet { b } else { a });
-    Some(InstanceMetrics {
-        count: scene.instances.len() as u32,
-        uneven: uneven.len() as u32,
-        worst,
-    })
-}
 
-/// The object with all its instances, for the pictures; `None` where each mesh stands once.
-pub fn shown(scene: &Scene, found: &Found, measured: &Measured) -> Option<Shown> {
-    let others = scene.other_instances();
-    let mut faces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for other in &others {
-        faces.entry(other.mesh).or_insert_with(|| faces_of(scene, found, other.mesh));
+    /// How many there are, and the worst of those that are stretched. Fails only if canceled.
+    pub fn metrics(&self, measured: &Measured, run: &Run) -> Result<InstanceMetrics, Canceled> {
+        let uneven: Vec<&Other> = self.others.iter().filter(|other| other.is_uneven()).collect();
+        let mut worst: Option<WorstInstance> = None;
+        let mut seen = BTreeSet::new();
+        for other in &uneven {
+            run.cancel.check()?;
+            let transform = DMat3::from_mat4(other.transform);
+            // Lengths, and so the energy, depend on this alone: a thousand alike are measured once.
+            let metric = (transform.transpose() * transform).to_cols_array().map(f64::to_bits);
+            if !seen.insert((other.mesh, metric)) {
+                continue;
+            }
+            let energy = metrics::transformed_dirichlet(measured, self.faces_of(other), transform);
+            let is_worse = |e: &f64| worst.is_none_or(|worst| *e > worst.symmetric_dirichlet);
+            if let Some(symmetric_dirichlet) = energy.filter(is_worse) {
+                worst = Some(WorstInstance { node: other.node, symmetric_dirichlet });
+            }
+        }
+        Ok(InstanceMetrics { count: self.count, uneven: uneven.len() as u32, worst })
     }
-    let placed = others.iter().map(|other| (&faces[&other.mesh][..], other.transform));
-    Shown::new(measured, placed)
+
+    /// The object with all of them, for the pictures.
+    pub fn shown(&self, measured: &Measured) -> WholeScene {
+        let placed = self.others.iter().map(|other| (self.faces_of(other), other.transform));
+        WholeScene::new(measured, placed)
+    }
+
+    /// Faces that the pictures have, of an object of `own`.
+    pub fn drawn_faces(&self, own: usize) -> usize {
+        let more = self.others.iter().map(|other| self.faces_of(other).len());
+        preview::drawn_faces(own, more.sum())
+    }
+
+    fn faces_of(&self, other: &Other) -> &[u32] {
+        self.faces.get(&other.mesh).map_or(&[], Vec::as_slice)
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::error::Cause;
 use super::extras;
 use super::faces::{self, Faces};
 use super::finish::CertifiedAtlas;
-use super::instances;
+use super::instances::Instances;
 use super::json;
 use super::maps::Mapped;
 use super::membership::Membership;
@@ -51,12 +51,17 @@ pub fn whole(
         * f64::from(options.page_size).powi(2)
         * f64::from(finished.pages);
     let packing_efficiency = metrics::packing_efficiency(&measured, owned.round() as u64);
-    let pictures = if affords_pictures(found, run) {
+    let instances = Instances::of(scene, found);
+    let instance_metrics = match &instances {
+        Some(instances) => Some(instances.metrics(&measured, run)?),
+        None => None,
+    };
+    let pictures = if affords_pictures(found, instances.as_ref(), finished.pages, run) {
         run.stage(Stage::Preview)?;
         let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
         let layout = preview::uv_layout_svg(&measured, &names, &run.cancel)?;
         run.advance(0.1);
-        let shown = instances::shown(scene, found, &measured);
+        let shown = instances.as_ref().map(|instances| instances.shown(&measured));
         let shown = shown.as_ref().map(|shown| shown.measured(&measured));
         Some((layout.into_bytes(), preview::preview_png(&measured, shown.as_ref(), run)?))
     } else {
@@ -78,7 +83,7 @@ pub fn whole(
         developable: metrics::developable(&measured),
         objective: choice::objective(&found.surface, finished, options),
         joint_seams,
-        instances: instances::metrics_of(scene, found, &measured),
+        instances: instance_metrics,
         figures: figures.atlas.clone(),
     };
     summary::warn_of_many_charts(finished, found, run);
@@ -123,13 +128,14 @@ pub fn segmentation_only(
     engine: &Engine,
     run: &Run,
 ) -> Result<Unwrapped, Cause> {
-    let picture = if affords_pictures(found, run) {
+    let instances = Instances::of(scene, found);
+    let picture = if affords_pictures(found, instances.as_ref(), 0, run) {
         run.stage(Stage::Preview)?;
         let count = found.surface.face_count();
         let uvs = vec![[[f32::NAN; 2]; 3]; count];
         let faces = Faces { file: Vec::new(), uvs, chart_of: vec![NONE; count] };
         let measured = measured(found, &faces, 0);
-        let shown = instances::shown(scene, found, &measured);
+        let shown = instances.as_ref().map(|instances| instances.shown(&measured));
         let shown = shown.as_ref().map(|shown| shown.measured(&measured));
         Some(preview::preview_png(&measured, shown.as_ref(), run)?)
     } else {
@@ -184,8 +190,10 @@ pub fn segmentation_only(
 }
 
 /// Whether there is time and memory for pictures; if not, that is recorded.
-fn affords_pictures(found: &Found, run: &Run) -> bool {
-    if preview::bytes(found.surface.face_count()) > run.budget.spare_bytes() {
+fn affords_pictures(found: &Found, instances: Option<&Instances>, pages: u32, run: &Run) -> bool {
+    let own = found.surface.face_count();
+    let faces = instances.map_or(own, |instances| instances.drawn_faces(own));
+    if preview::bytes(faces, pages) > run.budget.spare_bytes() {
         run.give_up(Stage::Preview, GaveUp::Pictures, Scarce::Memory);
         return false;
     }

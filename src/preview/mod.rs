@@ -6,7 +6,6 @@ mod camera;
 mod canvas;
 mod checker;
 mod curves;
-mod instances;
 mod layout;
 mod lines;
 mod occlusion;
@@ -24,11 +23,12 @@ mod svg;
 #[cfg(test)]
 mod tests;
 mod text;
+mod whole_scene;
 
 pub use curves::{Curve, curves_png};
-pub use instances::Shown;
 pub use palette::part_color;
 pub use picture::{PreviewError, bytes, preview_png};
 pub use sheet::{SheetCell, SheetError, contact_sheet};
 pub use stages::{STAGE_SIZE, StagePictures};
 pub use svg::uv_layout_svg;
+pub use whole_scene::{WholeScene, drawn_faces};

@@ -30,11 +30,20 @@ pub enum PreviewError {
     Encoding(#[from] png::EncodingError),
 }
 
-/// Bytes that drawing an object of so many faces takes: canvas, depths and faces of the large panel, rays
-/// and edges of the object.
-pub fn bytes(faces: usize) -> u64 {
-    let pixels = (LARGE * FACTOR * LARGE * FACTOR) as u64;
-    pixels * 32 + faces as u64 * 256
+/// Bytes that drawing so many faces and pages takes: canvas, depths and faces of the large panel, rays and
+/// edges of the object, and the canvas of the pages below.
+pub fn bytes(faces: usize, pages: u32) -> u64 {
+    let panel = LARGE * LARGE;
+    let below = (LARGE + SMALL) * height_below(pages);
+    ((panel + below) * FACTOR * FACTOR) as u64 * 32 + faces as u64 * 256
+}
+
+/// Height of the pages below the panels, pixels of the picture.
+fn height_below(pages: u32) -> usize {
+    Pages::large(pages).map_or(0, |pages| {
+        let [across, down] = pages.size();
+        ((LARGE + SMALL) as f32 / across * down).round() as usize
+    })
 }
 
 /// Draws the preview: 1152 × 768 pixels, PNG, and about 288 more for every four of several pages; 768 × 768
@@ -58,10 +67,7 @@ pub fn preview_png(
     let own_edges = if std::ptr::eq(scene, input) { None } else { Some(table(scene)?) };
     let scene_edges = own_edges.as_ref().unwrap_or(&edges);
     let large = Pages::large(input.pages);
-    let below = large.map_or(0, |pages| {
-        let [across, down] = pages.size();
-        ((LARGE + SMALL) as f32 / across * down).round() as usize
-    });
+    let below = height_below(input.pages);
     let panels = run.steps(4, 0.1, 1.0);
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE + below, Vec3::ONE, Vec3::ONE);
     page.paste_smaller(&checker_panel(scene, input, scene_edges, cancel)?, FACTOR, 0, 0);

@@ -13,29 +13,7 @@ use crate::contract::{Cancel, Run};
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
 use crate::metrics::Measured;
-use crate::metrics::fixtures::{cube, grid, uvs};
-
-fn measured<'a>(
-    surface: &'a Surface,
-    uvs: &'a [[[f32; 2]; 3]],
-    chart_of: &'a [u32],
-    part_of: &'a [u32],
-) -> Measured<'a> {
-    let count = |of: &[u32]| of.iter().filter(|c| **c != NONE).max().map_or(0, |m| *m as usize + 1);
-    Measured {
-        surface,
-        uvs,
-        chart_of,
-        part_of,
-        charts: count(chart_of),
-        parts: count(part_of),
-        boundary_labels: None,
-        page_size: 1024,
-        pages: 1,
-        page_of: &[],
-        chamfer: &[],
-    }
-}
+use crate::metrics::fixtures::{cube, grid, measured, uvs};
 
 /// A cube of six charts and two parts.
 fn with_cube<T>(f: impl FnOnce(&Measured) -> T) -> T {

@@ -1,7 +1,9 @@
 //! The object with every instance of its meshes where the scene shows it: what the pictures are drawn of.
 //! All figures are of the meshes alone.
 
-use glam::{DMat3, DMat4};
+use std::collections::HashMap;
+
+use glam::{DMat3, DMat4, DVec3};
 
 use crate::mesh::{NONE, Surface};
 use crate::metrics::Measured;
@@ -10,44 +12,42 @@ use crate::metrics::Measured;
 const MOST_FACES: usize = 400_000;
 
 /// An object with its instances.
-pub struct Shown {
+pub struct WholeScene {
     surface: Surface,
     uvs: Vec<[[f32; 2]; 3]>,
     chart_of: Vec<u32>,
     part_of: Vec<u32>,
 }
 
-impl Shown {
-    /// Faces and a transform for each instance besides those that stand in `input` already. `None` where there
-    /// are no others.
-    pub fn new<'f>(
-        input: &Measured,
-        instances: impl Iterator<Item = (&'f [u32], DMat4)>,
-    ) -> Option<Self> {
-        let mut shown = Self {
+/// Faces of a picture of an object of `own` faces with instances of so many more.
+pub fn drawn_faces(own: usize, instances: usize) -> usize {
+    (own + instances).min(MOST_FACES.max(own))
+}
+
+impl WholeScene {
+    /// The object in `input`, and faces and a transform for each instance besides.
+    pub fn new<'f>(input: &Measured, instances: impl Iterator<Item = (&'f [u32], DMat4)>) -> Self {
+        let mut scene = Self {
             surface: input.surface.clone(),
             uvs: input.uvs.to_vec(),
             chart_of: input.chart_of.to_vec(),
             part_of: input.part_of.to_vec(),
         };
-        let before = shown.uvs.len();
         for (faces, transform) in instances {
-            if shown.uvs.len() + faces.len() <= MOST_FACES {
-                shown.add(input, faces, transform);
+            if scene.uvs.len() + faces.len() <= MOST_FACES {
+                scene.add(input, faces, transform);
             }
         }
-        if shown.uvs.len() == before {
-            return None;
-        }
-        let (low, high) = shown
+        let (low, high) = scene
             .surface
             .positions
             .iter()
-            .fold((glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY), |(low, high), p| {
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
                 (low.min(*p), high.max(*p))
             });
-        shown.surface.diagonal = low.distance(high);
-        Some(shown)
+        // What the picture is framed by.
+        scene.surface.diagonal = low.distance(high);
+        scene
     }
 
     /// The view that the pictures are taken of.
@@ -68,29 +68,24 @@ impl Shown {
         let linear = DMat3::from_mat4(transform);
         let turn = linear.inverse().transpose() * linear.determinant().signum();
         let first = to.triangles.len() as u32;
-        let mut vertex_of = std::collections::HashMap::new();
-        let mut face_of = std::collections::HashMap::new();
-        for (new, &f) in (first..).zip(faces) {
-            face_of.insert(f, new);
-            let corners = from.triangles[f as usize].map(|v| {
-                *vertex_of.entry(v).or_insert_with(|| {
-                    let p = transform.transform_point3(from.positions[v as usize]);
-                    to.positions.push(p);
-                    to.positions.len() as u32 - 1
-                })
-            });
-            to.triangles.push(corners);
-        }
+        let face_of: HashMap<u32, u32> = faces.iter().copied().zip(first..).collect();
+        let mut vertex_of = HashMap::new();
         for &f in faces {
             let f = f as usize;
+            to.triangles.push(from.triangles[f].map(|v| {
+                *vertex_of.entry(v).or_insert_with(|| {
+                    to.positions.push(transform.transform_point3(from.positions[v as usize]));
+                    to.positions.len() as u32 - 1
+                })
+            }));
             to.usable.push(from.usable[f]);
             to.normals.push((turn * from.normals[f]).normalize_or_zero());
             to.areas.push(from.areas[f]);
             to.reversed.push(from.reversed[f]);
             to.origins.push(from.origins[f]);
             to.sheet_mate.push(NONE);
-            for k in 0..3 {
-                let twin = from.twin[3 * f + k];
+            for &twin in &from.twin[3 * f..3 * f + 3] {
+                // Twins of another mesh stay where they are.
                 let there = if twin == NONE { None } else { face_of.get(&(twin / 3)) };
                 to.twin.push(there.map_or(NONE, |g| 3 * g + twin % 3));
             }
@@ -105,36 +100,20 @@ impl Shown {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
-    use crate::contract::Run;
-    use crate::mesh::{Scene, condition};
+    use crate::metrics::fixtures;
 
     #[test]
     fn an_instance_is_placed_with_all_that_its_faces_have() {
         let corners = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
         let corners = corners.map(DVec3::from_array).to_vec();
-        let scene = Scene::from_triangles(corners, vec![[0, 1, 2], [0, 2, 3]]);
-        let surface = condition(&scene, &Run::quiet()).unwrap();
-        let input = Measured {
-            surface: &surface,
-            uvs: &[[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]],
-            chart_of: &[0, 0],
-            part_of: &[0, 1],
-            charts: 1,
-            parts: 2,
-            boundary_labels: None,
-            page_size: 64,
-            pages: 1,
-            page_of: &[],
-            chamfer: &[],
-        };
-        assert!(Shown::new(&input, std::iter::empty()).is_none());
+        let surface = fixtures::surface(corners, vec![[0, 1, 2], [0, 2, 3]]);
+        let uvs = [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
+        let input = fixtures::measured(&surface, &uvs, &[0, 0], &[0, 1]);
         let there =
             DMat4::from_translation(DVec3::Z * 5.0) * DMat4::from_scale(DVec3::new(2.0, 1.0, -1.0));
-        let shown = Shown::new(&input, [(&[0u32, 1][..], there)].into_iter()).unwrap();
-        let seen = shown.measured(&input);
+        let scene = WholeScene::new(&input, [(&[0u32, 1][..], there)].into_iter());
+        let seen = scene.measured(&input);
         let s = seen.surface;
         assert_eq!((s.face_count(), seen.part_of, seen.charts), (4, &[0, 1, 0, 1][..], 1));
         assert_eq!(s.corners(2), [[0., 0., 5.], [2., 0., 5.], [2., 1., 5.]].map(DVec3::from_array));
@@ -149,19 +128,11 @@ mod tests {
     fn what_is_too_much_for_a_picture_is_left_out() {
         let surface = Surface { triangles: vec![[0; 3]; 2], ..Surface::default() };
         let many = vec![0; MOST_FACES];
-        let input = Measured {
-            surface: &surface,
-            uvs: &[[[0.0; 2]; 3]; 2],
-            chart_of: &[NONE; 2],
-            part_of: &[NONE; 2],
-            charts: 0,
-            parts: 0,
-            boundary_labels: None,
-            page_size: 64,
-            pages: 1,
-            page_of: &[],
-            chamfer: &[],
-        };
-        assert!(Shown::new(&input, [(&many[..], DMat4::IDENTITY)].into_iter()).is_none());
+        let input = fixtures::measured(&surface, &[[[0.0; 2]; 3]; 2], &[NONE; 2], &[NONE; 2]);
+        let scene = WholeScene::new(&input, [(&many[..], DMat4::IDENTITY)].into_iter());
+        assert_eq!(scene.measured(&input).surface.face_count(), 2);
+        assert_eq!(drawn_faces(2, 5), 7);
+        assert_eq!(drawn_faces(2, MOST_FACES), MOST_FACES);
+        assert_eq!(drawn_faces(2 * MOST_FACES, 5), 2 * MOST_FACES);
     }
 }

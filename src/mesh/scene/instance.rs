@@ -46,11 +46,14 @@ impl Other {
 impl Scene {
     /// All instances but, of each mesh, the one in whose place it is measured.
     pub fn other_instances(&self) -> Vec<Other> {
-        let measured = |mesh: u32| self.primitives.iter().find(|p| p.mesh == mesh)?.world;
+        let mut measured = vec![None; self.meshes.len()];
+        for primitive in self.primitives.iter().rev() {
+            measured[primitive.mesh as usize] = primitive.world;
+        }
         let mut passed = vec![false; self.meshes.len()];
         let mut others = Vec::new();
         for &Instance { mesh, node, world } in &self.instances {
-            let Some(place) = measured(mesh) else { continue };
+            let Some(place) = measured[mesh as usize] else { continue };
             if place == world && !std::mem::replace(&mut passed[mesh as usize], true) {
                 continue;
             }
