@@ -1,4 +1,5 @@
-//! `uvsegnet synth`: make labelled objects: one file, or a folder to train on or to measure with.
+//! `uvsegnet synth`: make labelled objects: one file, or a folder to train on or to measure with; or
+//! one closed body of any size, without parts.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,23 +10,39 @@ use serde_json::json;
 
 use super::ending;
 use crate::contract::ArtifactKind;
-use crate::synth::{self, SynthKind, SynthObject, SynthStyle, SynthVariant};
+use crate::synth::{self, BodyKind, BodyStyle, NoiseKind};
+use crate::synth::{SynthKind, SynthObject, SynthStyle, SynthVariant};
 
 /// Arguments of `uvsegnet synth`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// What to make; several kinds, in turn, with --count.
-    #[arg(value_enum, required = true)]
+    #[arg(value_enum, required_unless_present = "body")]
     pub kinds: Vec<SynthKind>,
-    /// Which one: the same seed always gives the same object.
+    /// Make a closed manifold body instead: one mesh, without parts.
+    #[arg(long, value_enum, conflicts_with_all = ["kinds", "variant", "labels", "count"])]
+    pub body: Option<BodyKind>,
+    /// Which one: the same seed always gives the same object. With --body, the seed of the noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// How the parts stand in the file.
     #[arg(long, value_enum, default_value_t)]
     pub variant: SynthVariant,
-    /// About how many triangles.
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(200..=200_000))]
-    pub triangles: u32,
+    /// About how many triangles, 200 to 200,000; 1,000 by default. With --body, 5,000 to 2,000,000,
+    /// never exceeded; 20,000 by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
+    pub triangles: Option<u32>,
+    // Required and forbidden both: clap waives what is required where that would be refused.
+    /// Roughen the body: the standard deviation of Gaussian noise, in mean edge lengths.
+    #[arg(long, default_value_t = 0.0, requires = "body", conflicts_with = "kinds")]
+    pub noise: f64,
+    /// Which way the noise moves a vertex.
+    #[arg(long, value_enum, default_value_t, requires = "body", conflicts_with = "kinds")]
+    pub noise_kind: NoiseKind,
+    /// How many of the body stand side by side in the mesh; they share the triangles.
+    #[arg(long, default_value_t = 1, requires = "body", conflicts_with = "kinds")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=500))]
+    pub copies: u32,
     /// The GLB file to write; <KIND>.glb by default. With --count, the folder.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
@@ -37,9 +54,24 @@ pub struct Args {
     pub count: Option<u64>,
 }
 
+/// Most triangles of an object.
+const MOST: u32 = 200_000;
+/// Fewest triangles of a body.
+const FEWEST: u32 = 5_000;
+/// Most noise, in mean edge lengths: beyond it nothing is left of the surface.
+const LOUDEST: f64 = 2.0;
+
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
-    let style = SynthStyle { variant: args.variant, triangles: args.triangles as usize };
+    if let Some(kind) = args.body {
+        return write_body(kind, args);
+    }
+    let triangles = args.triangles.unwrap_or(1000);
+    ensure!(
+        triangles <= MOST,
+        "--triangles {triangles} is above {MOST}: give fewer, or make a --body, which takes more"
+    );
+    let style = SynthStyle { variant: args.variant, triangles: triangles as usize };
     if let Some(count) = args.count {
         let folder = args.output.unwrap_or_else(|| "synth".into());
         return write_folder(&folder, &args.kinds, args.seed, count, style);
@@ -55,6 +87,40 @@ pub fn run(args: Args) -> Result<()> {
     }
     let (triangles, parts) = (object.triangle_count(), object.parts.len());
     eprintln!("{}: {triangles} triangles, {parts} parts", output.display());
+    Ok(())
+}
+
+fn write_body(kind: BodyKind, args: Args) -> Result<()> {
+    let (triangles, copies, noise) = (args.triangles.unwrap_or(20_000), args.copies, args.noise);
+    ensure!(
+        triangles >= FEWEST,
+        "--triangles {triangles} is below {FEWEST}, the fewest that show the shape of a body"
+    );
+    let fewest = kind.fewest();
+    ensure!(
+        (triangles / copies) as usize >= fewest,
+        "{copies} copies share {triangles} triangles, but each needs {fewest}: \
+         give more --triangles or fewer --copies"
+    );
+    ensure!(
+        (0.0..=LOUDEST).contains(&noise),
+        "--noise {noise} is not between 0 and {LOUDEST} mean edge lengths"
+    );
+    let style = BodyStyle {
+        triangles: triangles as usize,
+        noise,
+        noise_kind: args.noise_kind,
+        seed: args.seed,
+        copies: copies as usize,
+    };
+    let name = kind.as_str();
+    let output = args.output.unwrap_or_else(|| format!("{name}.glb").into());
+    let output = ending::checked(output, &[ArtifactKind::Model]).map_err(Error::msg)?;
+    let body = synth::body::make(kind, style);
+    write(&output, &body.glb(name))?;
+    let triangles = body.triangles.len();
+    let bodies = if copies == 1 { "body" } else { "bodies" };
+    eprintln!("{}: {triangles} triangles, {copies} {bodies}", output.display());
     Ok(())
 }
 
@@ -109,6 +175,41 @@ mod tests {
     use super::*;
     use crate::contract::Run;
     use crate::training::load_meshes;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn ran(line: &str) -> Result<(), String> {
+        let words = std::iter::once("synth").chain(line.split_whitespace());
+        let line = <Line as clap::Parser>::try_parse_from(words).map_err(|e| e.to_string())?;
+        run(line.args).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_body_and_an_object_do_not_mix() {
+        for (line, says) in [
+            ("", "required"),
+            ("chair --body hand", "cannot be used with"),
+            ("chair --noise 0.1", "cannot be used with"),
+            ("chair --copies 2", "cannot be used with"),
+            ("--body hand --count 3", "cannot be used with"),
+            ("--body hand --variant fused", "cannot be used with"),
+            ("--body hand --triangles 4999", "below 5000"),
+            ("--body hand --triangles 5000 --copies 5", "each needs 1500"),
+            ("--body hand --noise nan", "not between"),
+            ("chair --triangles 200001", "above 200000"),
+        ] {
+            let refused = ran(line).unwrap_err();
+            assert!(refused.contains(says), "{line}: {refused}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("body.glb");
+        ran(&format!("--body genus3 --noise 0.1 --copies 2 -o {}", file.display())).unwrap();
+        assert!(gltf::Gltf::from_slice(&std::fs::read(&file).unwrap()).is_ok());
+    }
 
     #[test]
     fn a_folder_of_objects_can_be_learned_from() {

@@ -159,6 +159,26 @@ pub(super) fn write(object: &SynthObject) -> Vec<u8> {
     if nodes.is_empty() {
         nodes.push(json!({"name": name, "mesh": 0}));
     }
+    file(buffer, nodes, meshes, materials)
+}
+
+/// One mesh of one primitive. Vertices stay as they are: none is split at a crease.
+pub(super) fn write_body(
+    name: &str,
+    positions: &[DVec3],
+    normals: Vec<DVec3>,
+    triangles: &[[u32; 3]],
+) -> Vec<u8> {
+    let mut buffer = Buffer::default();
+    let (positions, triangles) = (positions.to_vec(), triangles.to_vec());
+    let shaded = Shaded { positions, normals, triangles };
+    let primitive = buffer.primitive(&shaded, DVec3::ZERO, None);
+    let meshes = vec![json!({"name": name, "primitives": [primitive]})];
+    file(buffer, vec![json!({"name": name, "mesh": 0})], meshes, vec![material(name, 0)])
+}
+
+/// The file of a scene whose root is the first node.
+fn file(buffer: Buffer, nodes: Vec<Value>, meshes: Vec<Value>, materials: Vec<Value>) -> Vec<u8> {
     let document = json!({
         "asset": {"version": "2.0", "generator": "uvsegnet synth"},
         "scene": 0,

@@ -6,6 +6,7 @@ mod airplane;
 mod appliance;
 mod bearing;
 mod bed;
+pub mod body;
 mod bottle;
 mod bucket;
 mod chair;
@@ -36,6 +37,7 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+pub use body::{Body, BodyKind, BodyStyle, NoiseKind};
 pub use embellish::embellished;
 pub use fuse::FusedBody;
 use solid::{Detail, Solid};

@@ -1,0 +1,173 @@
+//! Closed manifold bodies of one piece and any size, smooth or rough: what scans and sculptures are
+//! like. A body is a signed distance (`field`, `shapes`), meshed by marching cubes
+//! (`marching_cubes`) at the spacing that gives the wanted number of triangles, then roughened
+//! (`noise`). It has no parts. The same bytes on any number of threads.
+
+mod field;
+mod marching_cubes;
+mod noise;
+mod shapes;
+
+use clap::ValueEnum;
+use glam::DVec3;
+
+use super::glb;
+use field::Field;
+use marching_cubes::{Grid, Table};
+pub use noise::NoiseKind;
+
+/// What body can be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
+pub enum BodyKind {
+    /// A wrist, a palm, five fingers with joints.
+    Hand,
+    /// Body, four legs, neck, head, ears, tail.
+    Animal,
+    /// An open vessel with a wall.
+    Vase,
+    /// A tube along a trefoil: one handle.
+    Knot,
+    /// Three rings grown together: three handles.
+    Genus3,
+    /// Seat, legs, stretchers and back of a chair as one solid: four handles.
+    #[value(name = "fused_chair")]
+    FusedChair,
+}
+
+impl BodyKind {
+    /// Every kind.
+    pub const ALL: [BodyKind; 6] =
+        [Self::Hand, Self::Animal, Self::Vase, Self::Knot, Self::Genus3, Self::FusedChair];
+
+    /// Its name in lower case.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Hand => "hand",
+            Self::Animal => "animal",
+            Self::Vase => "vase",
+            Self::Knot => "knot",
+            Self::Genus3 => "genus3",
+            Self::FusedChair => "fused_chair",
+        }
+    }
+
+    /// Fewest triangles of one body: with fewer, limbs break off and walls are pierced (measured).
+    pub fn fewest(self) -> usize {
+        match self {
+            Self::Hand => 1500,
+            Self::Animal => 4000,
+            Self::Vase => 3000,
+            Self::Knot => 1000,
+            Self::Genus3 => 500,
+            Self::FusedChair => 2000,
+        }
+    }
+}
+
+/// How a body is to be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyStyle {
+    /// Most triangles of the mesh; it has at most 3 % fewer.
+    pub triangles: usize,
+    /// Standard deviation of the noise, in mean edge lengths.
+    pub noise: f64,
+    /// Which way it moves a vertex.
+    pub noise_kind: NoiseKind,
+    /// Of the noise: the body itself is always the same.
+    pub seed: u64,
+    /// How many of the body stand side by side, noise and all; they share the triangles evenly.
+    pub copies: usize,
+}
+
+impl Default for BodyStyle {
+    fn default() -> Self {
+        Self { triangles: 20_000, noise: 0.0, noise_kind: NoiseKind::Normal, seed: 1, copies: 1 }
+    }
+}
+
+/// A closed manifold mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Vertex positions, metres.
+    pub positions: Vec<DVec3>,
+    /// Vertex triples, wound outwards.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Body {
+    /// The body as a GLB file: one primitive with smooth normals.
+    pub fn glb(&self, name: &str) -> Vec<u8> {
+        let normals = noise::normals(&self.positions, &self.triangles);
+        glb::write_body(name, &self.positions, normals, &self.triangles)
+    }
+}
+
+/// Make a body. The same arguments always give the same one.
+pub fn make(kind: BodyKind, style: BodyStyle) -> Body {
+    let copies = style.copies.max(1);
+    let field = shapes::field(kind);
+    let (mut positions, triangles) = with_triangles(&field, style.triangles / copies);
+    noise::add(&mut positions, &triangles, style.noise_kind, style.noise, style.seed);
+    let one = Body { positions, triangles };
+    if copies == 1 { one } else { side_by_side(&one, copies, field.high - field.low) }
+}
+
+/// Most spacings tried for the exact number.
+const PASSES: usize = 40;
+
+/// The surface at the widest spacing found that gives nearly, and never more than, the wanted number.
+fn with_triangles(field: &Field, wanted: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let table = Table::new();
+    let aim = 0.987 * wanted as f64;
+    let enough = (0.97 * wanted as f64).ceil() as usize..=wanted;
+    let count = |spacing: f64| Grid::new(field, &table, spacing).count();
+    // The number goes with the inverse square of the spacing; a coarse grid tells the factor cheaply.
+    let scaled = |spacing: f64, n: usize, aim: f64| spacing * (n.max(8) as f64 / aim).sqrt();
+    let mut spacing = field.low.distance(field.high) / 40.0;
+    for rough in [5e3, 5e4] {
+        if 4.0 * rough < aim {
+            spacing = scaled(spacing, count(spacing), rough);
+        }
+    }
+    spacing = scaled(spacing, count(spacing), aim);
+    // Spacings known to give too many and not too many.
+    let (mut many, mut few): (f64, f64) = (0.0, f64::INFINITY);
+    let mut pass = 0;
+    loop {
+        let grid = Grid::new(field, &table, spacing);
+        let n = grid.count();
+        pass += 1;
+        // The number is not quite monotone in the spacing: a small one may be missed.
+        if enough.contains(&n) || pass > PASSES && n <= wanted {
+            return grid.surface();
+        }
+        if pass > PASSES {
+            spacing *= 1.002;
+            continue;
+        }
+        if n > wanted {
+            many = many.max(spacing);
+        } else {
+            few = few.min(spacing);
+        }
+        let secant = scaled(spacing, n, aim);
+        let bracketed = many < secant && secant < few;
+        spacing = if bracketed { secant } else { 0.5 * (many + few.min(2.0 * secant)) };
+    }
+}
+
+/// Copies on a square grid, with room between.
+fn side_by_side(body: &Body, copies: usize, size: DVec3) -> Body {
+    let columns = (copies as f64).sqrt().ceil() as usize;
+    let mut all = Body { positions: vec![], triangles: vec![] };
+    for i in 0..copies {
+        let place = DVec3::new((i % columns) as f64, 0.0, (i / columns) as f64);
+        let base = all.positions.len() as u32;
+        all.positions.extend(body.positions.iter().map(|p| p + 1.25 * size * place));
+        all.triangles.extend(body.triangles.iter().map(|t| t.map(|v| v + base)));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests;
