@@ -36,6 +36,22 @@ pub struct AtlasMetrics {
     /// vertex of a chart of area A.
     #[schema(required)]
     pub developable: Option<f64>,
+    /// Length of the seam curves over that of the same curves after a moving average over 7 mean edges of the
+    /// mesh: 1 is straight, a zigzag of single edges about √2; null without seams.
+    #[schema(required)]
+    pub seam_jaggedness: Option<f64>,
+    /// The same against a moving average over 15 mean edges.
+    #[schema(required)]
+    pub seam_jaggedness_15: Option<f64>,
+    /// Charts below 64 texels that could be larger.
+    #[serde(default)]
+    #[schema(required)]
+    pub small_charts: u32,
+    /// Charts below 64 texels whose connected component, given label, authored part or material (where each
+    /// has an atlas) is as small itself.
+    #[serde(default)]
+    #[schema(required)]
+    pub small_charts_exempt: u32,
     /// The objective of the charts: distortion, seams and their number in one figure (docs/metrics.md). What
     /// charts are cut to make small.
     pub objective: f64,

@@ -157,7 +157,7 @@ fn is_boundary(input: &Measured, group: &[(u32, u32, u32)]) -> bool {
 }
 
 /// Whether two UV edges of one edge coincide.
-fn same(a: &[[f32; 2]; 2], b: &[[f32; 2]; 2]) -> bool {
+pub(super) fn same(a: &[[f32; 2]; 2], b: &[[f32; 2]; 2]) -> bool {
     a.iter().flatten().zip(b.iter().flatten()).all(|(x, y)| (x - y).abs() <= SAME_UV)
 }
 

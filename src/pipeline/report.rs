@@ -15,7 +15,7 @@ use super::result::{Artifact, Unwrapped};
 use super::summary;
 use crate::contract::{
     ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, GaveUp, JointSeams, Metrics,
-    PartMetrics, Repairs, Run, Scarce, Stage, Summary, Units, UnwrapOptions,
+    PartMetrics, Repairs, Run, Scarce, SegmentationSource, Stage, Summary, Units, UnwrapOptions,
 };
 use crate::mesh::{NONE, Scene, export};
 use crate::metrics::{self, Measured, MeasuredFigures};
@@ -51,6 +51,9 @@ pub fn whole(
         * f64::from(options.page_size).powi(2)
         * f64::from(finished.pages);
     let packing_efficiency = metrics::packing_efficiency(&measured, owned.round() as u64);
+    let jaggedness = metrics::seam_jaggedness(&measured);
+    let authored = |p: u32| found.parts.parts[p as usize].source == SegmentationSource::Authored;
+    let small = metrics::small_charts(&measured, authored, options.atlas);
     let instances = Instances::of(scene, found);
     let instance_metrics = match &instances {
         Some(instances) => Some(instances.metrics(&measured, run)?),
@@ -81,6 +84,10 @@ pub fn whole(
         certificate: finished.certificates.atlas.clone(),
         packing_efficiency,
         developable: metrics::developable(&measured),
+        seam_jaggedness: jaggedness.map(|j| j.near),
+        seam_jaggedness_15: jaggedness.map(|j| j.wide),
+        small_charts: small.avoidable,
+        small_charts_exempt: small.exempt,
         objective: choice::objective(&found.surface, finished, options),
         joint_seams,
         instances: instance_metrics,
