@@ -26,6 +26,8 @@ pub mod segmentation;
 
 pub mod charts;
 
+pub mod coarse_to_fine;
+
 pub mod parameterization;
 
 pub mod atlas;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order in which data flows: each may import what stands before it.
-const CHAIN: [&str; 12] = [
+const CHAIN: [&str; 13] = [
     "contract",
     "device",
     "mesh",
@@ -13,6 +13,7 @@ const CHAIN: [&str; 12] = [
     "sampling",
     "segmentation",
     "charts",
+    "coarse_to_fine",
     "parameterization",
     "atlas",
     "metrics",

@@ -62,6 +62,11 @@ impl<'a> PartMesh<'a> {
         3 * self.faces[h as usize / 3] + h % 3
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
     /// Unit normal of a local face.
     pub fn normal(&self, face: usize) -> DVec3 {
         self.surface.normals[self.faces[face] as usize]

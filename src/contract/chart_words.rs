@@ -33,6 +33,8 @@ pub enum StartKind {
     Tutte,
     /// The maps of the patches that were joined, each next to the other: where LSCM flips.
     Weld,
+    /// Carried over from the proxy of a dense mesh.
+    Prolonged,
     /// Taken from uvunwrap.
     Uvunwrap,
 }

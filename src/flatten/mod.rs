@@ -7,6 +7,7 @@ mod classical;
 mod clearance;
 mod disk;
 mod error;
+mod extend;
 mod injective;
 mod jacobian;
 mod lscm;
@@ -14,6 +15,7 @@ mod model;
 mod overlap;
 mod planar;
 mod rectangle;
+mod relax;
 mod slim;
 mod start;
 mod step;
@@ -23,6 +25,7 @@ mod system;
 mod tutte;
 mod unfold;
 mod unroll;
+mod untangle;
 
 #[cfg(test)]
 pub(crate) mod samples;
@@ -32,6 +35,7 @@ pub use classical::{Island, classical_islands, unwrap_classically};
 pub use clearance::is_clear;
 pub use disk::{Disk, UvMap, flatten_triangle};
 pub use error::FlattenError;
+pub use extend::extend;
 pub use injective::{
     ChartProof, certify, certify_within, count_flips, has_simple_boundary, is_positive, is_simple,
     orientation, segments_meet,
@@ -44,9 +48,11 @@ pub use lscm::lscm;
 pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};
 pub use planar::planar;
 pub use rectangle::smallest_rectangle;
+pub use relax::relax;
 pub use slim::{Slim, SlimOptions, slim};
 pub use start::{StartMap, start_map};
 pub use stitch::stitch;
 pub use tutte::tutte;
 pub use unfold::unfold;
 pub use unroll::unroll;
+pub use untangle::untangle;

@@ -56,7 +56,7 @@ pub fn unfold(disk: &Disk) -> Option<UvMap> {
 }
 
 /// Where the third corner of a triangle lies when the first two are at `a` and `b`.
-fn third_corner(a: DVec2, b: DVec2, [pa, pb, pc]: [DVec3; 3]) -> DVec2 {
+pub(super) fn third_corner(a: DVec2, b: DVec2, [pa, pb, pc]: [DVec3; 3]) -> DVec2 {
     let [_, _, apex] = flatten_triangle(pa, pb, pc);
     a + (b - a).normalize_or(DVec2::X).rotate(apex)
 }

@@ -10,6 +10,7 @@ pub mod import;
 mod maxflow;
 mod orient;
 mod pairing;
+mod proxy;
 pub mod rays;
 mod scene;
 mod surface;
@@ -20,6 +21,7 @@ pub use condition::condition;
 pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use maxflow::Flow;
+pub use proxy::{Place, Proxy, ProxySize, proxy};
 pub use scene::{
     ABSENT, Attribute, Component, Document, Instance, Material, Mesh, Node, Other, Primitive,
     Scene, TEXCOORD, TexcoordOrigin, Values,

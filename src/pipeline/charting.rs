@@ -40,7 +40,7 @@ pub fn cut(
 ) -> Result<Cut, Cause> {
     run.stage(Stage::Charts)?;
     let how = ChartOptions::from(options);
-    let regions = regions::divide(found, options.atlas);
+    let regions = regions::divide(found, &solvers.segmented(), options.atlas);
     // Seams are trained once: a second training would find the time of the first spent.
     let openness = match options.quality {
         Quality::Best if run.is_late(Stage::Segment) => {
@@ -220,7 +220,7 @@ mod tests {
     fn striped(source: SegmentationSource, max_charts: u32) -> Cut {
         let (text, run) = (scenes::sheet(8, |_, _| 0.0), Run::quiet());
         let options = UnwrapOptions { max_charts: Some(max_charts), ..scenes::options() };
-        let (mut found, solvers) = scenes::found(&text, &options, &run);
+        let (mut found, mut solvers) = scenes::found(&text, &options, &run);
         let part =
             |id| Part { id, name: id.to_string(), source, confidence: 0.9, name_confidence: None };
         let join = |(a, b, boundary)| PartJoin { a, b, boundary };
@@ -230,6 +230,7 @@ mod tests {
             joins: [(2, 3, 0.6), (1, 2, 0.7), (0, 1, 0.8)].map(join).to_vec(),
         };
         found.densities = vec![1.0; 4];
+        solvers.part_of = found.parts.labels.clone();
         cut(&found, &solvers, &options, &scenes::engine(), &run).unwrap()
     }
 
@@ -288,7 +289,7 @@ mod tests {
         let run = Run::quiet();
         let (found, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let how = ChartOptions::from(&scenes::options());
-        let regions = regions::divide(&found, AtlasGrouping::Scene);
+        let regions = regions::divide(&found, &found.segmented(), AtlasGrouping::Scene);
         let attempt = |openness: Option<&[f32]>| {
             Cutter { solvers: &solvers, openness, run: &run }.cut(&regions, &how).unwrap()
         };

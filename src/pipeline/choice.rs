@@ -58,11 +58,12 @@ fn best_of(
     let finish = |cut: Cut, quality| {
         let options = UnwrapOptions { quality, ..options.clone() };
         let Cut { charts, regions, joint_seams, missed } = cut;
+        let charts = solvers.refined(charts, found, &options, run)?;
         let mapped = match options.stop_after {
             Some(StopAfter::Charts) => maps::untrained(charts),
             _ => maps::trained(found, solvers, charts, &options, engine, run)?,
         };
-        let atlas = finish::pack_and_certify(found, solvers, &regions, mapped, &options, run)?;
+        let atlas = finish::pack_and_certify(found, &regions, mapped, &options, run)?;
         Ok::<_, Cause>(Made { atlas, joint_seams, missed })
     };
     let quality = options.quality;
@@ -75,9 +76,8 @@ fn best_of(
         run.give_up(Stage::Charts, GaveUp::JointSeams, Scarce::Time);
         return Ok(balanced);
     }
-    let worth = Worth::of(solvers, &balanced.atlas, options);
-    let is_no_worse =
-        |made: &Made| Worth::of(solvers, &made.atlas, options).is_no_worse_than(&worth);
+    let worth = Worth::of(found, &balanced.atlas, options);
+    let is_no_worse = |made: &Made| Worth::of(found, &made.atlas, options).is_no_worse_than(&worth);
     // Seams that were trained with the maps, and all charts trained …
     let best = finish(cut(Quality::Best)?, Quality::Best)?;
     if is_no_worse(&best) {
@@ -110,14 +110,14 @@ struct Worth {
 }
 
 impl Worth {
-    fn of(solvers: &Solvers, atlas: &CertifiedAtlas, options: &UnwrapOptions) -> Self {
+    fn of(found: &Found, atlas: &CertifiedAtlas, options: &UnwrapOptions) -> Self {
         let area = |(m, uv): (&Mapped, &UvMap)| -> f64 {
             let disk = &m.chart.disk;
             (0..disk.triangles.len()).map(|f| disk.uv_area(f, uv)).sum()
         };
         let covered: f64 = atlas.charts.iter().zip(&atlas.uvs).map(area).sum();
         Self {
-            objective: objective(&solvers.surface, atlas, options),
+            objective: objective(&found.surface, atlas, options),
             covered: covered / f64::from(atlas.pages.max(1)),
         }
     }
@@ -146,7 +146,7 @@ mod tests {
             let by = |quality| {
                 let options = UnwrapOptions { quality, steps: 10, ..scenes::options() };
                 let made = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
-                (Worth::of(&solvers, &made.atlas, &options), made.joint_seams)
+                (Worth::of(&found, &made.atlas, &options), made.joint_seams)
             };
             let ((best, seams), (balanced, none)) = (by(Quality::Best), by(Quality::Balanced));
             assert!(best.is_no_worse_than(&balanced));

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::certify::{self, Scale};
 use super::error::Cause;
 use super::maps::Mapped;
-use super::parts::{Found, Solvers};
+use super::parts::Found;
 use super::regions::Regions;
 use crate::atlas::{self, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use crate::charts::{self, ChartOptions};
@@ -44,14 +44,13 @@ pub struct CertifiedAtlas {
 /// Place and certify; mend what fails.
 pub fn pack_and_certify(
     found: &Found,
-    solvers: &Solvers,
     regions: &Regions,
     charts: Vec<Mapped>,
     options: &UnwrapOptions,
     run: &Run,
 ) -> Result<CertifiedAtlas, Cause> {
     let placing = |charts, padding| place(found, regions, charts, options, padding, run);
-    settle(&solvers.surface, charts, options, run, placing)
+    settle(&found.surface, charts, options, run, placing)
 }
 
 /// The rounds. `placing` lays charts on pages, so many texels apart, and certifies them.

@@ -39,7 +39,7 @@ pub fn openness(
     if parts.is_empty() {
         return Ok(openness);
     }
-    let told = Vertices::of(solvers);
+    let told = Vertices::of(solvers, surface);
     let inputs: Vec<TrainChart> = parts.iter().map(|part| input(part, &told)).collect();
     let options = TrainOptions {
         points: MOST_VERTICES,
@@ -90,7 +90,7 @@ mod tests {
     fn open(text: &str, steps: u32) -> (Solvers, Vec<f32>) {
         let run = Run::quiet();
         let (found, solvers) = scenes::found(text, &scenes::options(), &run);
-        let regions = regions::divide(&found, AtlasGrouping::Scene).of_face;
+        let regions = regions::divide(&found, &found.segmented(), AtlasGrouping::Scene).of_face;
         let options = UnwrapOptions { steps, points: 64, ..scenes::options() };
         let cut = ChartOptions::from(&options);
         let openness =

@@ -10,7 +10,7 @@ use super::error::Cause;
 use super::membership::Membership;
 use super::neural;
 use super::parts::{Found, Solvers};
-use crate::charts::{self, Chart};
+use crate::charts::{self, Chart, StartKind};
 use crate::contract::{
     Canceled, ChartForm, GaveUp, NeuralGain, Progress, Run, Stage, UnwrapOptions,
 };
@@ -82,7 +82,7 @@ pub fn trained(
     // Most charts are of one part: that of their first face.
     let part = |chart: &Chart| chart.faces.first().map_or(0, |&f| found.parts.labels[f as usize]);
     let chosen = neural::choose(&charts, options, run);
-    let inputs = neural::inputs(solvers, &charts, &chosen);
+    let inputs = neural::inputs(found, solvers, &charts, &chosen);
     let parts = found.parts.parts.len() as u32;
     let of_chosen: Vec<u32> = chosen.iter().map(|&i| part(&charts[i])).collect();
     let mut told = |step: u32, steps: u32, finished: &[usize]| {
@@ -104,7 +104,7 @@ pub fn trained(
     run.stage(Stage::Polish)?;
     let work: Vec<(Chart, Option<TrainedChart>)> =
         charts.into_iter().enumerate().map(|(i, c)| (c, trained.remove(&i))).collect();
-    let clearance = charts::clearance(&solvers.surface);
+    let clearance = charts::clearance(&found.surface);
     let faces = work.iter().map(|(chart, _)| chart.faces.len()).sum();
     let steps = run.steps(faces, 0.0, 1.0);
     let mapped: Result<Vec<Mapped>, Canceled> = work
@@ -147,6 +147,10 @@ fn polish(
     run: &Run,
 ) -> Result<Mapped, Canceled> {
     if run.skips(Stage::Polish, GaveUp::Descent) {
+        return Ok(Mapped::from_cut(chart));
+    }
+    // What was carried over is polished already.
+    if chart.start_kind == StartKind::Prolonged && net.is_none() {
         return Ok(Mapped::from_cut(chart));
     }
     let disk = &chart.disk;
@@ -202,7 +206,6 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
-    use crate::charts::StartKind;
     use crate::contract::{Degradation, Scarce};
     use crate::flatten::samples;
     use crate::pipeline::scenes;

@@ -5,9 +5,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::parts::Solvers;
+use super::parts::{Found, Solvers};
 use crate::charts::boundary::BoundaryFeatures;
-use crate::charts::{Chart, ChartShape};
+use crate::charts::{Chart, ChartShape, StartKind};
 use crate::contract::{GaveUp, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::flatten::{self, Disk};
 use crate::mesh::Surface;
@@ -42,7 +42,10 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize
     };
     // Expected gain: what distortion there is, times the area that has it.
     let mut ranked: Vec<(f64, usize)> = Vec::new();
-    for (i, chart) in charts.iter().enumerate() {
+    let pays = |chart: &Chart| {
+        chart.start_kind != StartKind::Prolonged || options.quality == Quality::Best
+    };
+    for (i, chart) in charts.iter().enumerate().filter(|(_, chart)| pays(chart)) {
         let quality = flatten::quality(&chart.disk, &chart.start);
         if !quality.is_isometric() {
             if fits(chart) {
@@ -73,11 +76,16 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize
 }
 
 /// What the networks of the chosen charts are told.
-pub fn inputs<'a>(solvers: &Solvers, charts: &'a [Chart], chosen: &[usize]) -> Vec<TrainChart<'a>> {
+pub fn inputs<'a>(
+    found: &Found,
+    solvers: &Solvers,
+    charts: &'a [Chart],
+    chosen: &[usize],
+) -> Vec<TrainChart<'a>> {
     if chosen.is_empty() {
         return Vec::new();
     }
-    let told = Vertices::of(solvers);
+    let told = Vertices::of(solvers, &found.surface);
     let of = |&i: &usize| {
         let chart = &charts[i];
         // The first face: it stays the same whatever happens to other charts.
@@ -101,12 +109,12 @@ pub struct Vertices {
 }
 
 impl Vertices {
-    /// Boundary features of the cloud, and creases.
-    pub fn of(solvers: &Solvers) -> Self {
+    /// Boundary features of the cloud, and creases of a surface.
+    pub fn of(solvers: &Solvers, surface: &Surface) -> Self {
         let cloud = &solvers.cloud;
         let labels: Vec<u32> = cloud.faces.iter().map(|&f| solvers.part_of[f as usize]).collect();
         let features = BoundaryFeatures::new(cloud, &labels);
-        Self { features, creased: creased_vertices(&solvers.surface) }
+        Self { features, creased: creased_vertices(surface) }
     }
 }
 
@@ -155,7 +163,6 @@ fn creased_vertices(surface: &Surface) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::charts::StartKind;
     use crate::contract::{Budget, Cancel, Degradation};
     use crate::flatten::samples;
     use crate::pipeline::scenes;
@@ -238,7 +245,7 @@ mod tests {
             .unwrap()
             .charts;
         let all: Vec<usize> = (0..charts.len()).collect();
-        for (told, chart) in inputs(&solvers, &charts, &all).iter().zip(&charts) {
+        for (told, chart) in inputs(&found, &solvers, &charts, &all).iter().zip(&charts) {
             assert_eq!(told.id, u64::from(chart.faces[0]));
             for (v, p) in chart.disk.positions.iter().enumerate() {
                 assert_eq!(told.crease[v] == 1.0, p.x == 2.0, "{p}");

@@ -6,11 +6,15 @@ use std::sync::Arc;
 use super::densities::densities;
 use super::engine::Engine;
 use super::error::Cause;
+use super::regions::Segmented;
 use super::sheets;
+use crate::charts::{Chart, ChartOptions};
+use crate::coarse_to_fine;
 use crate::contract::{
-    DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions, WarningCode,
+    Canceled, DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions,
+    WarningCode,
 };
-use crate::mesh::{self, ImportError, Scene, Surface};
+use crate::mesh::{self, ImportError, NONE, Proxy, ProxySize, Scene, Surface};
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels, SegmentOptions};
 
@@ -28,14 +32,61 @@ pub struct Found {
     pub densities: Vec<f64>,
 }
 
-/// What the solvers see: the surface that is cut and flattened, its samples, and the parts on it.
+/// What the solvers see: the surface that is cut, its samples, and the parts on it.
 pub struct Solvers {
-    /// The surface.
+    /// The surface: the conditioned one, or its proxy.
     pub surface: Arc<Surface>,
+    /// How it goes back to the conditioned surface, where it is a proxy.
+    pub proxy: Option<Proxy>,
+    /// For each of its faces the face whose UVs it carries.
+    pub sources: Vec<u32>,
     /// The dense cloud on it.
     pub cloud: PointCloud,
     /// Part of each face, or [`NONE`](mesh::NONE).
     pub part_of: Vec<u32>,
+}
+
+#[cfg(test)]
+impl Found {
+    /// The surface with its parts.
+    pub fn segmented(&self) -> Segmented<'_> {
+        Segmented { surface: &self.surface, labels: &self.parts.labels, sources: &self.sources }
+    }
+}
+
+impl Solvers {
+    /// The surface with its parts.
+    pub fn segmented(&self) -> Segmented<'_> {
+        Segmented { surface: &self.surface, labels: &self.part_of, sources: &self.sources }
+    }
+
+    /// Charts of this surface as charts of the conditioned one.
+    pub fn refined(
+        &self,
+        charts: Vec<Chart>,
+        found: &Found,
+        options: &UnwrapOptions,
+        run: &Run,
+    ) -> Result<Vec<Chart>, Canceled> {
+        let Some(proxy) = &self.proxy else { return Ok(charts) };
+        let parts = [&found.parts.labels[..], &self.part_of];
+        let how = ChartOptions::from(options);
+        coarse_to_fine::charts(&found.surface, proxy, charts, parts, &how, run)
+    }
+}
+
+/// Parts of a proxy carried to the surface. Each keeps at least the faces that its proxy's are left of.
+fn carried(surface: &Surface, proxy: &Proxy, of_proxy: &[u32]) -> Vec<u32> {
+    let mut labels = coarse_to_fine::labels(surface, proxy, of_proxy);
+    let count = of_proxy.iter().filter(|l| **l != NONE).max().map_or(0, |&most| most as usize + 1);
+    let mut has = vec![false; count];
+    labels.iter().filter(|l| **l != NONE).for_each(|&l| has[l as usize] = true);
+    for (&face, &part) in proxy.left_of.iter().zip(of_proxy).filter(|(_, l)| **l != NONE) {
+        if !has[part as usize] {
+            labels[face as usize] = part;
+        }
+    }
+    labels
 }
 
 /// Condition, sample, segment.
@@ -49,28 +100,34 @@ pub fn find(
     let surface = Arc::new(mesh::condition(scene, run)?);
     check_area(&surface)?;
     warn_of_faults(&surface, run);
+    // What is dense is looked at and cut as a coarser surface that stands for it.
+    let proxy = mesh::proxy(&surface, ProxySize::default(), run)?;
+    let seen = proxy.as_ref().map_or(&surface, |proxy| &proxy.surface).clone();
     run.stage(Stage::Sample)?;
-    let counts = SampleCounts::dense(surface.face_count());
-    let cloud = sampling::sample(&surface, counts, options.seed.0, run)?;
+    let counts = SampleCounts::dense(seen.face_count());
+    let cloud = sampling::sample(&seen, counts, options.seed.0, run)?;
     run.stage(Stage::Segment)?;
     let asked = SegmentOptions::from(options);
-    let how = affordable(asked, &surface, run);
-    let parts =
-        segmentation::segment(&surface, &cloud, &how, &engine.weights, &engine.device, run)?;
-    let sources = match options.double_sided {
+    let how = affordable(asked, &seen, run);
+    let parts = segmentation::segment(&seen, &cloud, &how, &engine.weights, &engine.device, run)?;
+    let sources = |surface: &Surface| match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),
-        DoubleSided::Share => sheets::sources(&surface),
+        DoubleSided::Share => sheets::sources(surface),
+    };
+    let part_of = parts.labels.clone();
+    let parts = match &proxy {
+        Some(proxy) => PartLabels { labels: carried(&surface, proxy, &part_of), ..parts },
+        None => parts,
     };
     let found = Found {
-        weights: how.hears_network(&surface).then(|| engine.weights.digest().to_owned()),
+        weights: how.hears_network(&seen).then(|| engine.weights.digest().to_owned()),
         densities: densities(&parts.parts, options)?,
-        surface: surface.clone(),
+        sources: sources(&surface),
+        surface,
         parts,
-        sources,
     };
-    let part_of = found.parts.labels.clone();
     run.parts(0, found.parts.parts.len() as u32);
-    Ok((found, Solvers { surface, cloud, part_of }))
+    Ok((found, Solvers { sources: sources(&seen), surface: seen, proxy, cloud, part_of }))
 }
 
 /// An error where no face has area: there is nothing to unwrap.
@@ -219,7 +276,7 @@ mod tests {
             let (found, solvers) =
                 find(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
             assert_eq!(found.parts.parts.len(), 1);
-            assert_eq!(regions::divide(&found, atlas).atlas, atlases);
+            assert_eq!(regions::divide(&found, &found.segmented(), atlas).atlas, atlases);
             assert_eq!(solvers.part_of, [0, 0]);
         }
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use super::parts::Found;
 use crate::contract::{AtlasGrouping, PartJoin, SegmentationSource};
-use crate::mesh::{DisjointSets, NONE};
+use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// Parts below this share of the area are specks.
 const SPECK: f64 = 0.005;
@@ -21,6 +21,17 @@ pub struct Regions {
     pub part: Vec<u32>,
     /// Atlas of each region, from 0.
     pub atlas: Vec<u32>,
+}
+
+/// A surface with its parts.
+#[derive(Debug, Clone, Copy)]
+pub struct Segmented<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Part of each face, or [`NONE`].
+    pub labels: &'a [u32],
+    /// For each face the face whose UVs it carries.
+    pub sources: &'a [u32],
 }
 
 impl Regions {
@@ -58,15 +69,15 @@ fn is_guessed(source: SegmentationSource) -> bool {
 }
 
 /// Number the regions in order of part, then material.
-pub fn divide(found: &Found, atlas: AtlasGrouping) -> Regions {
-    let surface = &found.surface;
+pub fn divide(found: &Found, on: &Segmented, atlas: AtlasGrouping) -> Regions {
+    let surface = on.surface;
     let key = |f: usize| {
         let material = match atlas {
             AtlasGrouping::Scene => 0,
             AtlasGrouping::Material => surface.origins[f].material,
         };
-        let own = surface.usable[f] && found.sources[f] == f as u32;
-        let part = found.parts.labels[f];
+        let own = surface.usable[f] && on.sources[f] == f as u32;
+        let part = on.labels[f];
         (own && part != NONE).then_some((part, material))
     };
     let keys: Vec<Option<(u32, u32)>> = (0..surface.face_count()).map(key).collect();
@@ -85,15 +96,14 @@ pub fn divide(found: &Found, atlas: AtlasGrouping) -> Regions {
         part: regions.iter().map(|r| r.0).collect(),
         atlas: regions.iter().map(atlas_of).collect(),
     };
-    let absorbed = absorbed_specks(found, &divided);
+    let absorbed = absorbed_specks(found, surface, &divided);
     let joined = |region: &u32| absorbed.get(region).copied().unwrap_or(*region);
     Regions { of_face: divided.of_face.iter().map(joined).collect(), ..divided }
 }
 
 /// The specks that only the network or the geometry calls parts, each with the neighbour of the longest
 /// common border, in the same atlas and of the same density, whose charts it joins.
-fn absorbed_specks(found: &Found, regions: &Regions) -> BTreeMap<u32, u32> {
-    let surface = &found.surface;
+fn absorbed_specks(found: &Found, surface: &Surface, regions: &Regions) -> BTreeMap<u32, u32> {
     let mut area = vec![0.0; regions.part.len()];
     for (f, &region) in regions.of_face.iter().enumerate().filter(|(_, r)| **r != NONE) {
         area[region as usize] += surface.areas[f];
@@ -154,7 +164,10 @@ mod tests {
     #[test]
     fn a_guessed_speck_goes_to_its_neighbour_and_a_named_one_stays() {
         for (source, own) in [(SegmentationSource::Geometric, 0), (SegmentationSource::Labels, 1)] {
-            let regions = divide(&found(source), AtlasGrouping::Scene);
+            let regions = {
+                let found = found(source);
+                divide(&found, &found.segmented(), AtlasGrouping::Scene)
+            };
             assert_eq!([0, 126, 127, 799].map(|f| regions.of_face[f]), [0, own, own, 2]);
         }
     }
@@ -163,6 +176,6 @@ mod tests {
     fn a_speck_of_its_own_density_stays() {
         let mut found = found(SegmentationSource::Geometric);
         found.densities[1] = 4.0;
-        assert_eq!(divide(&found, AtlasGrouping::Scene).of_face[126], 1);
+        assert_eq!(divide(&found, &found.segmented(), AtlasGrouping::Scene).of_face[126], 1);
     }
 }

@@ -114,7 +114,7 @@ pub fn cut(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, Cu
 pub fn atlas(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, CertifiedAtlas) {
     let (found, solvers, cut) = cut(obj, options, run);
     let charts = maps::untrained(cut.charts);
-    let atlas = finish::pack_and_certify(&found, &solvers, &cut.regions, charts, options, run);
+    let atlas = finish::pack_and_certify(&found, &cut.regions, charts, options, run);
     let atlas = atlas.unwrap();
     (found, solvers, atlas)
 }

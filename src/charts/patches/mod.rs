@@ -9,6 +9,7 @@ pub mod split;
 pub mod tube;
 
 pub use initial::initial_patches;
+pub use open::open_where;
 
 use rayon::prelude::*;
 

@@ -15,10 +15,14 @@ use crate::mesh::NONE;
 /// Which local half-edges stay closed when every patch is opened to a disk. A closed patch would
 /// come out as one vertex-less sphere: the caller passes patches with a border.
 pub fn open(mesh: &PartMesh, patch_of: &[u32]) -> Vec<bool> {
-    let inside = |h: u32| {
+    open_where(mesh, |h| {
         let t = mesh.twin[h as usize];
         t != NONE && patch_of[t as usize / 3] == patch_of[h as usize / 3]
-    };
+    })
+}
+
+/// Like [`open`], where `inside` says of each half-edge that has a twin whether it is closed by now.
+pub fn open_where(mesh: &PartMesh, inside: impl Fn(u32) -> bool) -> Vec<bool> {
     let mut glued = vec![false; mesh.twin.len()];
     let mut reached = vec![false; mesh.len()];
     let mut heap = BinaryHeap::new();

@@ -1,0 +1,182 @@
+//! From the proxy of a dense surface back to it (docs/coarse_to_fine.md): labels of parts and charts, which
+//! are straightened in a band about their borders, and the charts' maps.
+
+mod band;
+mod pieces;
+mod refine;
+
+use std::collections::{BTreeSet, VecDeque};
+
+use rayon::prelude::*;
+
+use crate::charts::{self, Chart, ChartOptions};
+use crate::contract::{Canceled, Run};
+use crate::mesh::{NONE, Proxy, Surface};
+use band::{Band, Plain, Seams};
+use pieces::Pieces;
+use refine::Refiner;
+
+/// Islands of at most this share of the area go to their neighbours: what would be less than some 64 texels
+/// of a usual page.
+const ISLAND: f64 = 1.5e-4;
+
+impl Seams for Pieces {
+    fn parts(&self, a: u32, b: u32) -> bool {
+        Pieces::parts(self, a, b)
+    }
+    fn group(&self, label: u32) -> u32 {
+        self.chart[label as usize]
+    }
+}
+
+/// Labels of the proxy's faces carried to the fine faces. Where the caller gave labels, they end where those
+/// do.
+pub fn labels(fine: &Surface, proxy: &Proxy, of_proxy: &[u32]) -> Vec<u32> {
+    let carried = proxy.face.iter().map(|&f| if f == NONE { NONE } else { of_proxy[f as usize] });
+    let mut band = Band::new(fine, proxy, &Plain, carried.collect(), None);
+    settle(&mut band, fine);
+    band.labels
+}
+
+/// Times that charts which fail are divided on the proxy.
+const DIVIDED: u32 = 6;
+
+fn settle<S: Seams>(band: &mut Band<S>, fine: &Surface) {
+    let least = ISLAND * fine.area();
+    band.absorb_islands(least);
+    band.straighten();
+    band.absorb_islands(least);
+    band.straighten();
+    band.absorb_islands(least);
+}
+
+/// Charts of the proxy carried to the fine surface. `parts`: part of each fine face, and of each of the
+/// proxy's; a fine face goes to no chart that has nothing of its part. A chart that cannot be carried is
+/// divided on the proxy, [`DIVIDED`] times at most, and then on the fine surface.
+pub fn charts(
+    fine: &Surface,
+    proxy: &Proxy,
+    coarse: Vec<Chart>,
+    parts: [&[u32]; 2],
+    options: &ChartOptions,
+    run: &Run,
+) -> Result<Vec<Chart>, Canceled> {
+    let mut parts = parts.map(<[u32]>::to_vec);
+    let mut waiting = coarse;
+    let mut charts = Vec::new();
+    for round in 0..=DIVIDED {
+        let carrier = Carrier { fine, proxy, options, run, last: round == DIVIDED };
+        let Carried { done, failed, chart_of } = carrier.carry(&waiting, [&parts[0], &parts[1]])?;
+        charts.extend(done);
+        if failed.is_empty() {
+            break;
+        }
+        // What is left stays within the faces of the charts that failed.
+        let number = |chart: u32| failed.binary_search(&chart).map_or(NONE, |i| i as u32);
+        parts[0] = chart_of.into_iter().map(number).collect();
+        parts[1] = vec![NONE; proxy.surface.face_count()];
+        let mut halves = Vec::new();
+        for (i, &chart) in (0u32..).zip(&failed) {
+            let chart = &waiting[chart as usize];
+            chart.faces.iter().for_each(|&f| parts[1][f as usize] = i);
+            halves.extend(charts::split_chart(&proxy.surface, chart, options, run)?);
+        }
+        waiting = halves;
+    }
+    charts.sort_by_key(|c| (c.part, c.faces.first().copied()));
+    Ok(charts)
+}
+
+/// What charts are carried with.
+struct Carrier<'a> {
+    fine: &'a Surface,
+    proxy: &'a Proxy,
+    options: &'a ChartOptions,
+    run: &'a Run,
+    last: bool,
+}
+
+/// Charts that were carried.
+struct Carried {
+    /// On the fine surface.
+    done: Vec<Chart>,
+    /// Numbers of those that could not be carried.
+    failed: Vec<u32>,
+    /// Chart of each fine face, or [`NONE`].
+    chart_of: Vec<u32>,
+}
+
+impl Carrier<'_> {
+    fn carry(
+        &self,
+        coarse: &[Chart],
+        [fine_parts, proxy_parts]: [&[u32]; 2],
+    ) -> Result<Carried, Canceled> {
+        let &Self { fine, proxy, options, run, last } = self;
+        let pieces = Pieces::new(&proxy.surface, coarse);
+        let mut of_part: BTreeSet<(u32, u32)> = BTreeSet::new();
+        for (&piece, &part) in pieces.of_face.iter().zip(proxy_parts).filter(|(p, _)| **p != NONE) {
+            of_part.insert((pieces.chart[piece as usize], part));
+        }
+        let fits = |f: usize, piece: u32| {
+            piece != NONE && of_part.contains(&(pieces.chart[piece as usize], fine_parts[f]))
+        };
+        let carried = |(&on, &part): (&u32, &u32)| match on == NONE || part == NONE {
+            true => NONE,
+            false => pieces.of_face[on as usize],
+        };
+        let labels = proxy.face.iter().zip(fine_parts).map(carried).collect();
+        let labels = spread(fine, labels, fine_parts, fits);
+        let mut band = Band::new(fine, proxy, &pieces, labels, Some(fine_parts));
+        settle(&mut band, fine);
+        run.cancel.check()?;
+        let labels = band.labels;
+        let chart = |&l: &u32| if l == NONE { NONE } else { pieces.chart[l as usize] };
+        let chart_of: Vec<u32> = labels.iter().map(chart).collect();
+        let mut faces = vec![Vec::new(); coarse.len()];
+        for (f, &chart) in (0u32..).zip(&chart_of).filter(|(_, c)| **c != NONE) {
+            faces[chart as usize].push(f);
+        }
+        let clearance = charts::clearance(fine);
+        let refiner =
+            Refiner { fine, proxy, pieces: &pieces, labels: &labels, options, clearance, run };
+        let refined: Result<Vec<Option<Vec<Chart>>>, Canceled> = coarse
+            .par_iter()
+            .zip(faces)
+            .map(|(chart, faces)| refiner.refine(chart, faces, last))
+            .collect();
+        let (mut done, mut failed) = (Vec::new(), Vec::new());
+        for (number, charts) in (0u32..).zip(refined?) {
+            match charts {
+                Some(charts) => done.extend(charts),
+                None => failed.push(number),
+            }
+        }
+        Ok(Carried { done, failed, chart_of })
+    }
+}
+
+/// Labels that do not fit are replaced by the nearest over faces that does, or stay where there is none.
+fn spread(
+    fine: &Surface,
+    labels: Vec<u32>,
+    parts: &[u32],
+    fits: impl Fn(usize, u32) -> bool,
+) -> Vec<u32> {
+    let mut done: Vec<bool> = (0..labels.len()).map(|f| fits(f, labels[f])).collect();
+    let mut new = labels;
+    let mut queue: VecDeque<u32> = (0..new.len() as u32).filter(|&f| done[f as usize]).collect();
+    while let Some(f) = queue.pop_front() {
+        for t in (3 * f..3 * f + 3).map(|h| fine.twin[h as usize]).filter(|&t| t != NONE) {
+            let g = t as usize / 3;
+            if !done[g] && parts[g] != NONE && fits(g, new[f as usize]) {
+                (new[g], done[g]) = (new[f as usize], true);
+                queue.push_back(g as u32);
+            }
+        }
+    }
+    new
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! Where on its proxy a point of a sheet lies: the nearest place that a walk over faces finds, from the
+//! vertex that the record of collapses names. A walk stays on its sheet, where a search in space would jump
+//! to the other side of a thin shell.
+
+use glam::DVec3;
+
+use super::collapse::Collapsed;
+use crate::mesh::NONE;
+
+/// Most steps of a walk.
+const STEPS: usize = 64;
+
+/// Most faces looked at for one that is allowed.
+const SEARCHED: usize = 512;
+
+/// A place on a triangle mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Place {
+    /// The face.
+    pub face: u32,
+    /// Barycentric coordinates in it.
+    pub weights: [f32; 3],
+}
+
+/// A collapsed sheet, on which places are found.
+pub struct Locator<'a> {
+    pub collapsed: &'a Collapsed,
+    /// Unit normal of each face that is left.
+    pub normals: &'a [DVec3],
+}
+
+impl Locator<'_> {
+    /// The place nearest to a point with a normal, on faces that are `allowed`, walking from the vertices
+    /// that stand for `from`. `None` where no allowed face is near.
+    pub fn find(
+        &self,
+        from: &[u32],
+        point: DVec3,
+        normal: DVec3,
+        allowed: impl Fn(u32) -> bool,
+    ) -> Option<Place> {
+        let sheet = &self.collapsed.sheet;
+        let (mut fan, mut best): (Vec<u32>, Option<(f64, Place)>) = (Vec::new(), None);
+        let look = |face: u32, best: &mut Option<(f64, Place)>| {
+            if !allowed(face) {
+                return false;
+            }
+            let corners = sheet.triangles[face as usize].map(|v| sheet.positions[v as usize]);
+            let weights = nearest(corners, point);
+            let there: DVec3 = corners.iter().zip(weights).map(|(c, w)| *c * w).sum();
+            // A face that looks the other way is the back of something thin.
+            let back = self.normals[face as usize].dot(normal) < 0.0;
+            let size = corners[0].distance_squared(corners[1]);
+            let far = there.distance_squared(point) + if back { size } else { 0.0 };
+            let nearer = best.is_none_or(|(least, _)| far < least);
+            if nearer {
+                *best = Some((far, Place { face, weights: weights.map(|w| w as f32) }));
+            }
+            nearer
+        };
+        let around = |v: u32, fan: &mut Vec<u32>| {
+            sheet.fan(self.collapsed.out[v as usize], fan);
+        };
+        for &v in from {
+            around(self.collapsed.root(v), &mut fan);
+            fan.iter().for_each(|&h| _ = look(h / 3, &mut best));
+        }
+        if best.is_none() {
+            let mut seen: Vec<u32> = fan.iter().map(|h| h / 3).collect();
+            let mut at = 0;
+            while at < seen.len() && seen.len() < SEARCHED && best.is_none() {
+                let f = seen[at];
+                at += 1;
+                for t in (3 * f..3 * f + 3).map(|h| sheet.twin[h as usize]) {
+                    if t != NONE && !seen.contains(&(t / 3)) {
+                        seen.push(t / 3);
+                        look(t / 3, &mut best);
+                    }
+                }
+            }
+        }
+        for _ in 0..STEPS {
+            let Some((_, Place { face, .. })) = best else { break };
+            let mut moved = false;
+            for v in sheet.triangles[face as usize] {
+                around(v, &mut fan);
+                for &h in &fan {
+                    moved |= look(h / 3, &mut best);
+                }
+            }
+            if !moved {
+                break;
+            }
+        }
+        best.map(|(_, place)| place)
+    }
+}
+
+/// Barycentric coordinates of the point of a triangle that is nearest to `p`: by the region of the
+/// triangle's edges and corners that p lies in.
+fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d, e, f) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
+    let (g, h) = (ap.dot(ab), ap.dot(ac));
+    let area = d * f - e * e;
+    let (v, w) = (f * g - e * h, d * h - e * g);
+    if area > 0.0 && v >= 0.0 && w >= 0.0 && v + w <= area {
+        return [1.0 - (v + w) / area, v / area, w / area];
+    }
+    // The nearest point lies on an edge.
+    let along = |from: DVec3, to: DVec3| {
+        let side = to - from;
+        ((p - from).dot(side) / side.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+    };
+    let (s, t, u) = (along(a, b), along(b, c), along(c, a));
+    let sides = [[1.0 - s, s, 0.0], [0.0, 1.0 - t, t], [u, 0.0, 1.0 - u]];
+    let far = |w: &[f64; 3]| (a * w[0] + b * w[1] + c * w[2]).distance_squared(p);
+    sides.into_iter().min_by(|x, y| far(x).total_cmp(&far(y))).unwrap_or([1.0, 0.0, 0.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_other_point_is_nearer(
+            x in prop::array::uniform9(-1.0..1.0f64), p in prop::array::uniform3(-2.0..2.0f64),
+            other in prop::array::uniform2(0.0..1.0f64),
+        ) {
+            let corners = [0, 3, 6].map(|i| DVec3::from_slice(&x[i..i + 3]));
+            let p = DVec3::from(p);
+            let at = |w: [f64; 3]| corners.iter().zip(w).map(|(c, w)| *c * w).sum::<DVec3>();
+            let weights = nearest(corners, p);
+            prop_assert!(weights.iter().all(|w| (-1e-9..=1.0 + 1e-9).contains(w)));
+            let [u, v] = other;
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let there = at([1.0 - u - v, u, v]);
+            prop_assert!(at(weights).distance(p) <= there.distance(p) + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A proxy keeps shape, topology, borders and labels.
+
+use super::*;
+use crate::mesh::{Scene, condition};
+
+const SIZE: ProxySize = ProxySize { dense: 12_000, coarse: 8_000 };
+
+/// A wavy sheet of 2 n² faces, or both sides of one.
+fn wavy(n: u32, both: bool) -> Surface {
+    let at = |i: u32| f64::from(i) / f64::from(n);
+    let positions = (0..(n + 1) * (n + 1)).map(|i| {
+        let (x, y) = (at(i % (n + 1)), at(i / (n + 1)));
+        DVec3::new(x, y, 0.05 * (9.0 * x).sin() * (7.0 * y).cos())
+    });
+    let quads = (0..n * n).map(|i| i / n * (n + 1) + i % n);
+    let mut faces: Vec<[u32; 3]> =
+        quads.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
+    if both {
+        faces.extend(faces.clone().iter().map(|&[a, b, c]| [a, c, b]));
+    }
+    let scene = Scene::from_triangles(positions.collect(), faces);
+    condition(&scene, &Run::quiet()).unwrap()
+}
+
+fn is_sound(p: &Proxy) {
+    let s = &p.surface;
+    for (h, &t) in (0u32..).zip(&s.twin).filter(|(_, t)| **t != NONE) {
+        assert_eq!(s.twin[t as usize], h);
+        assert_eq!((s.from(h), s.to(h)), (s.to(t), s.from(t)));
+    }
+    assert!(s.areas.iter().all(|&a| a > 0.0));
+}
+
+#[test]
+fn a_few_faces_need_no_proxy() {
+    assert!(proxy(&wavy(70, false), SIZE, &Run::quiet()).unwrap().is_none());
+}
+
+#[test]
+fn a_sheet_keeps_shape_topology_and_border() {
+    let fine = wavy(120, false);
+    let p = proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap();
+    is_sound(&p);
+    assert!(p.surface.face_count() <= SIZE.coarse && p.surface.face_count() > SIZE.coarse - 3);
+    let edges = p.surface.twin.iter().enumerate().filter(|(h, t)| **t == NONE || *h < **t as usize);
+    let vertices = p.surface.positions.len() as i64;
+    assert_eq!(vertices - edges.count() as i64 + p.surface.face_count() as i64, 1, "a disk");
+    // Every vertex has a place, as near as the waves are flat there.
+    for (f, t) in p.corners.iter().enumerate() {
+        for (k, &v) in t.iter().enumerate() {
+            let Place { face, weights } = p.places[v as usize];
+            let corners = p.surface.corners(face as usize);
+            let there: DVec3 = corners.iter().zip(weights).map(|(c, w)| *c * f64::from(w)).sum();
+            assert!(there.distance(fine.corners(f)[k]) < 2e-3);
+        }
+    }
+    let area = p.surface.area() / fine.area();
+    assert!((area - 1.0).abs() < 1e-3, "{area}");
+}
+
+#[test]
+fn the_other_side_is_its_copy() {
+    let fine = wavy(120, true);
+    let p = proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap();
+    is_sound(&p);
+    let s = &p.surface;
+    assert_eq!(s.face_count() % 2, 0);
+    for (f, &mate) in (0u32..).zip(&s.sheet_mate) {
+        assert_eq!(s.sheet_mate[mate as usize], f);
+        let [mut a, mut b] = [f, mate].map(|f| s.triangles[f as usize]);
+        assert!(s.normals[f as usize].dot(s.normals[mate as usize]) < -0.999);
+        a.sort_unstable();
+        b.sort_unstable();
+        assert_eq!(a, b);
+    }
+    for (f, &mate) in (0u32..).zip(&fine.sheet_mate) {
+        assert_eq!(s.sheet_mate[p.face[f as usize] as usize], p.face[mate as usize]);
+    }
+}
+
+#[test]
+fn what_the_caller_says_ends_where_it_ended() {
+    let mut fine = wavy(120, false);
+    // A disk in the middle.
+    let label =
+        |f: usize| i32::from(fine.centroid(f).truncate().distance(glam::DVec2::splat(0.5)) < 0.3);
+    let labels: Vec<i32> = (0..fine.face_count()).map(label).collect();
+    fine.labels = Some(labels.clone());
+    let p = proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap();
+    is_sound(&p);
+    let coarse = p.surface.labels.as_ref().unwrap();
+    for (f, &label) in labels.iter().enumerate() {
+        assert_eq!(coarse[p.face[f] as usize], label);
+    }
+}
+
+#[test]
+fn the_same_at_any_number_of_threads() {
+    let fine = wavy(100, false);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap())
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one.surface.positions, three.surface.positions);
+    assert_eq!((one.face, one.places), (three.face, three.places));
+}
