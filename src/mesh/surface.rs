@@ -148,6 +148,17 @@ impl Surface {
         (positions, triangles)
     }
 
+    /// Connected components over the twins that `joined` lets through: of each face the lowest face of its own.
+    pub fn components(&self, joined: impl Fn(u32) -> bool) -> Vec<u32> {
+        let mut sets = DisjointSets::new(self.face_count());
+        for (h, &t) in (0u32..).zip(&self.twin) {
+            if t != NONE && h < t && joined(h) {
+                sets.join(h / 3, t / 3);
+            }
+        }
+        (0..self.face_count() as u32).map(|f| sets.root(f)).collect()
+    }
+
     /// Total area of the usable faces, world units squared.
     pub fn area(&self) -> f64 {
         self.areas.iter().sum()

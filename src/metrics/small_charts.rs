@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use super::Measured;
 use crate::contract::AtlasGrouping;
-use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::mesh::NONE;
 
 /// A chart, or what holds it, is small below so many texels.
 const SMALL: f64 = 64.0;
@@ -43,7 +43,7 @@ pub fn small_charts(
     if !small.contains(&true) {
         return SmallCharts::default();
     }
-    let component = components(surface);
+    let component = surface.components(|_| true);
     let labels = surface.labels.as_deref().unwrap_or(&[]);
     let label = |f: usize| labels.get(f).copied().filter(|&l| l >= 0).map(i64::from);
     let part = |f: usize| {
@@ -103,20 +103,12 @@ impl Count<'_> {
     }
 }
 
-/// The connected component of each face, over twins.
-fn components(surface: &Surface) -> Vec<u32> {
-    let mut sets = DisjointSets::new(surface.face_count());
-    for (h, &t) in (0u32..).zip(&surface.twin).filter(|(_, t)| **t != NONE) {
-        sets.join(h / 3, t / 3);
-    }
-    (0..surface.face_count() as u32).map(|f| sets.root(f)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::mesh::Surface;
     use crate::metrics::fixtures::{self, grid, uvs};
 
     /// A strip of 16 cells in a row, each 8 texels wide: of 32 texels where `height` is 4. On the page of 1024

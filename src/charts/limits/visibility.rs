@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::contract::{Canceled, Run};
 use crate::mesh::rays::Rays;
-use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::mesh::{NONE, Surface};
 
 /// Most rays a face.
 const RAYS: usize = 8;
@@ -62,14 +62,10 @@ pub fn visibility(surface: &Surface, run: &Run) -> Result<Option<Vec<f32>>, Canc
 
 /// Whether each face belongs to a connected component that has a border where no mate lies behind it.
 fn on_open_sheets(surface: &Surface) -> Vec<bool> {
-    let mut sheets = DisjointSets::new(surface.face_count());
-    for (h, &t) in surface.twin.iter().enumerate().filter(|(_, t)| **t != NONE) {
-        sheets.join(h as u32 / 3, t / 3);
-    }
+    let sheet = surface.components(|_| true);
     let mut open = vec![false; surface.face_count()];
     for (h, &t) in surface.twin.iter().enumerate() {
-        let root = sheets.root(h as u32 / 3) as usize;
-        open[root] |= t == NONE && surface.sheet_mate[h / 3] == NONE;
+        open[sheet[h / 3] as usize] |= t == NONE && surface.sheet_mate[h / 3] == NONE;
     }
-    (0..open.len() as u32).map(|f| open[sheets.root(f) as usize]).collect()
+    sheet.iter().map(|&sheet| open[sheet as usize]).collect()
 }
