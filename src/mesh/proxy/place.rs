@@ -2,6 +2,8 @@
 //! vertex that the record of collapses names. A walk stays on its sheet, where a search in space would jump
 //! to the other side of a thin shell.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::collapse::Collapsed;
@@ -9,9 +11,6 @@ use crate::mesh::NONE;
 
 /// Most steps of a walk.
 const STEPS: usize = 64;
-
-/// Most faces looked at for one that is allowed.
-const SEARCHED: usize = 512;
 
 /// A place on a triangle mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -24,25 +23,32 @@ pub struct Place {
 
 /// A collapsed sheet, on which places are found.
 pub struct Locator<'a> {
-    pub collapsed: &'a Collapsed,
-    /// Unit normal of each face that is left.
-    pub normals: &'a [DVec3],
+    collapsed: &'a Collapsed,
+    /// Unit normal of each face.
+    normals: &'a [DVec3],
+    /// Outline of features that each face lies within.
+    within: &'a [u32],
+    /// The faces that are left, by outline: each has one at least.
+    left: BTreeMap<u32, Vec<u32>>,
 }
 
-impl Locator<'_> {
-    /// The place nearest to a point with a normal, on faces that are `allowed`, walking from the vertices
-    /// that stand for `from`. `None` where no allowed face is near.
-    pub fn find(
-        &self,
-        from: &[u32],
-        point: DVec3,
-        normal: DVec3,
-        allowed: impl Fn(u32) -> bool,
-    ) -> Option<Place> {
+impl<'a> Locator<'a> {
+    /// A sheet's. `normals` and `within`: of each face.
+    pub fn new(collapsed: &'a Collapsed, normals: &'a [DVec3], within: &'a [u32]) -> Self {
+        let mut left: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (f, &of) in (0u32..).zip(within).filter(|(f, _)| collapsed.alive[*f as usize]) {
+            left.entry(of).or_default().push(f);
+        }
+        Self { collapsed, normals, within, left }
+    }
+
+    /// The place nearest to a point with a normal on the faces of an outline, or with [`NONE`] on any, walking
+    /// from the vertices that stand for `from`.
+    pub fn find(&self, from: &[u32], point: DVec3, normal: DVec3, outline: u32) -> Place {
         let sheet = &self.collapsed.sheet;
         let (mut fan, mut best): (Vec<u32>, Option<(f64, Place)>) = (Vec::new(), None);
         let look = |face: u32, best: &mut Option<(f64, Place)>| {
-            if !allowed(face) {
+            if outline != NONE && self.within[face as usize] != outline {
                 return false;
             }
             let corners = sheet.triangles[face as usize].map(|v| sheet.positions[v as usize]);
@@ -65,18 +71,10 @@ impl Locator<'_> {
             around(self.collapsed.root(v), &mut fan);
             fan.iter().for_each(|&h| _ = look(h / 3, &mut best));
         }
+        // None of the outline's faces is near: begin at the nearest of all.
         if best.is_none() {
-            let mut seen: Vec<u32> = fan.iter().map(|h| h / 3).collect();
-            let mut at = 0;
-            while at < seen.len() && seen.len() < SEARCHED && best.is_none() {
-                let f = seen[at];
-                at += 1;
-                for t in (3 * f..3 * f + 3).map(|h| sheet.twin[h as usize]) {
-                    if t != NONE && !seen.contains(&(t / 3)) {
-                        seen.push(t / 3);
-                        look(t / 3, &mut best);
-                    }
-                }
+            for &f in self.left.get(&outline).into_iter().flatten() {
+                look(f, &mut best);
             }
         }
         for _ in 0..STEPS {
@@ -92,7 +90,7 @@ impl Locator<'_> {
                 break;
             }
         }
-        best.map(|(_, place)| place)
+        best.map(|(_, place)| place).unwrap_or_default()
     }
 }
 

@@ -1,5 +1,7 @@
 //! A proxy keeps shape, topology, borders and labels.
 
+use glam::DVec3;
+
 use super::*;
 use crate::mesh::{Scene, condition};
 
