@@ -4,8 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use super::pieces::Seams;
 use crate::charts::seam_cost;
-use crate::mesh::{DisjointSets, Flow, NONE, Proxy, Surface};
+use crate::mesh::{Flow, NONE, Proxy, Surface};
 
 /// Width of a band on each side, in mean edges of the proxy.
 const WIDTH: f64 = 1.2;
@@ -19,26 +20,6 @@ const UNCUT: f64 = 1e6;
 /// Capacity that holds a face where it is, where nothing else does.
 const HOLD: f64 = 1e-4;
 
-/// What seams are: which labels part, and what a label stands for.
-pub trait Seams {
-    /// Whether two labels are parted where they meet.
-    fn parts(&self, a: u32, b: u32) -> bool;
-    /// Labels of one group are dealt anew together: those of one chart.
-    fn group(&self, label: u32) -> u32;
-}
-
-/// Plain labels: each parts from every other.
-pub struct Plain;
-
-impl Seams for Plain {
-    fn parts(&self, a: u32, b: u32) -> bool {
-        a != b
-    }
-    fn group(&self, label: u32) -> u32 {
-        label
-    }
-}
-
 /// Labels on the fine surface.
 pub struct Band<'a, S: Seams> {
     fine: &'a Surface,
@@ -46,6 +27,8 @@ pub struct Band<'a, S: Seams> {
     seams: &'a S,
     /// Label of each face, or [`NONE`].
     pub labels: Vec<u32>,
+    /// Whether each face belongs to a component that was collapsed: only there do seams move.
+    dense: Vec<bool>,
     /// What each face may not leave: faces of one class are connected without crossing a curve.
     class: Vec<u32>,
     /// Classes and groups that occur in them.
@@ -67,15 +50,10 @@ impl<'a, S: Seams> Band<'a, S> {
         labels: Vec<u32>,
         parts: Option<&[u32]>,
     ) -> Self {
-        let mut sets = DisjointSets::new(fine.face_count());
-        for (h, &t) in (0u32..).zip(&fine.twin).filter(|(_, t)| **t != NONE) {
-            let (f, g) = (h / 3, t / 3);
-            let same = parts.is_none_or(|parts| parts[f as usize] == parts[g as usize]);
-            if proxy.features[h as usize] == 0 && same {
-                sets.join(f, g);
-            }
-        }
-        let class: Vec<u32> = (0..fine.face_count() as u32).map(|f| sets.root(f)).collect();
+        let class = fine.components(|h| {
+            let [f, g] = [h, fine.twin[h as usize]].map(|h| h as usize / 3);
+            proxy.features[h as usize] == 0 && parts.is_none_or(|parts| parts[f] == parts[g])
+        });
         let occurs = class.iter().zip(&labels).filter(|(_, l)| **l != NONE);
         let occurs = occurs.map(|(&class, &label)| (class, seams.group(label))).collect();
         let mean = |surface: &Surface, own: &dyn Fn(usize) -> bool| {
@@ -84,11 +62,9 @@ impl<'a, S: Seams> Band<'a, S> {
             // The edge of an equilateral triangle of the mean area.
             (area / f64::max(count, 1.0) * 4.0 / 3f64.sqrt()).sqrt()
         };
-        let is_dense = |f: usize| {
-            let on = proxy.face[f];
-            on != NONE && proxy.collapsed[on as usize]
-        };
-        let edge = mean(fine, &is_dense);
+        let is_dense = |&on: &u32| on != NONE && proxy.collapsed[on as usize];
+        let dense: Vec<bool> = proxy.face.iter().map(is_dense).collect();
+        let edge = mean(fine, &|f| dense[f]);
         let coarse = mean(&proxy.surface, &|f| proxy.collapsed[f]);
         // A ring of triangles is about half an edge wide.
         let rings = (2.0 * WIDTH * coarse / edge).round() as u32;
@@ -99,6 +75,7 @@ impl<'a, S: Seams> Band<'a, S> {
             proxy,
             seams,
             labels,
+            dense,
             class,
             occurs,
             edge,
@@ -121,16 +98,6 @@ impl<'a, S: Seams> Band<'a, S> {
 
     /// Deal the faces about every seam anew, each pair of labels once.
     pub fn straighten(&mut self) {
-        let mut pairs: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
-        for h in 0..self.fine.twin.len() as u32 {
-            if self.is_free_seam(h) {
-                let pair = self.pair(self.label(h), self.label(self.fine.twin[h as usize]));
-                if pair[0] < pair[1] {
-                    pairs.entry(pair).or_default().push(h);
-                }
-            }
-        }
-        let pairs: Vec<[u32; 2]> = pairs.into_keys().collect();
         let mut seams: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         for h in 0..self.fine.twin.len() as u32 {
             if self.is_free_seam(h) {
@@ -140,9 +107,8 @@ impl<'a, S: Seams> Band<'a, S> {
             }
         }
         let depth = self.depths();
-        for pair in pairs {
-            let faces = seams.get(&pair).map_or(&[][..], Vec::as_slice);
-            self.deal(pair, faces, &depth);
+        for (pair, faces) in seams {
+            self.deal(pair, &faces, &depth);
         }
     }
 
@@ -153,10 +119,12 @@ impl<'a, S: Seams> Band<'a, S> {
         if g == h { [a, b] } else { [g, h] }
     }
 
-    /// A seam that may move: one that runs on no curve.
+    /// A seam that may move: one of a dense component that runs on no curve.
     fn is_free_seam(&self, h: u32) -> bool {
         let t = self.fine.twin[h as usize];
-        self.is_seam(h) && self.class[h as usize / 3] == self.class[t as usize / 3]
+        self.is_seam(h)
+            && self.dense[h as usize / 3]
+            && self.class[h as usize / 3] == self.class[t as usize / 3]
     }
 
     /// Rings between each face and the nearest seam, up to those of a band and one.
@@ -330,23 +298,13 @@ impl<'a, S: Seams> Band<'a, S> {
     /// within their class; so holes are filled, too.
     pub fn absorb_islands(&mut self, least: f64) {
         let fine = self.fine;
-        let mut sets = DisjointSets::new(fine.face_count());
-        for (h, &t) in (0u32..).zip(&fine.twin).filter(|(h, t)| *h < **t && **t != NONE) {
-            let joined = self.label(h) != NONE
-                && self.label(t) != NONE
-                && self.seams.group(self.label(h)) == self.seams.group(self.label(t))
-                && !self.is_seam(h);
-            if joined {
-                sets.join(h / 3, t / 3);
-            }
-        }
-        let roots: Vec<u32> = (0..fine.face_count() as u32).map(|f| sets.root(f)).collect();
+        let roots = fine.components(|h| {
+            let (a, b) = (self.label(h), self.label(fine.twin[h as usize]));
+            a != NONE && b != NONE && !self.seams.parts(a, b)
+        });
         let mut area = vec![0.0; roots.len()];
         roots.iter().zip(&fine.areas).for_each(|(&r, a)| area[r as usize] += a);
-        let dense = |f: usize| {
-            let on = self.proxy.face[f];
-            on != NONE && self.proxy.collapsed[on as usize] && self.labels[f] != NONE
-        };
+        let dense = |f: usize| self.dense[f] && self.labels[f] != NONE;
         let mut borders: BTreeMap<u32, BTreeMap<u32, f64>> = BTreeMap::new();
         for (h, &t) in (0u32..).zip(&fine.twin).filter(|(_, t)| **t != NONE) {
             let (f, g) = (h as usize / 3, t as usize / 3);

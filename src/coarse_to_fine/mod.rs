@@ -10,24 +10,18 @@ use std::collections::{BTreeSet, VecDeque};
 use rayon::prelude::*;
 
 use crate::charts::{self, Chart, ChartOptions};
-use crate::contract::{Canceled, Run};
+use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{NONE, Proxy, Surface};
-use band::{Band, Plain, Seams};
-use pieces::Pieces;
+use band::Band;
+use pieces::{Pieces, Plain, Seams};
 use refine::Refiner;
 
 /// Islands of at most this share of the area go to their neighbours: what would be less than some 64 texels
 /// of a usual page.
 const ISLAND: f64 = 1.5e-4;
 
-impl Seams for Pieces {
-    fn parts(&self, a: u32, b: u32) -> bool {
-        Pieces::parts(self, a, b)
-    }
-    fn group(&self, label: u32) -> u32 {
-        self.chart[label as usize]
-    }
-}
+/// Times that charts which fail are divided on the proxy.
+const DIVIDED: u32 = 6;
 
 /// Labels of the proxy's faces carried to the fine faces. Where the caller gave labels, they end where those
 /// do.
@@ -38,9 +32,6 @@ pub fn labels(fine: &Surface, proxy: &Proxy, of_proxy: &[u32]) -> Vec<u32> {
     band.labels
 }
 
-/// Times that charts which fail are divided on the proxy.
-const DIVIDED: u32 = 6;
-
 fn settle<S: Seams>(band: &mut Band<S>, fine: &Surface) {
     let least = ISLAND * fine.area();
     band.absorb_islands(least);
@@ -50,8 +41,8 @@ fn settle<S: Seams>(band: &mut Band<S>, fine: &Surface) {
     band.absorb_islands(least);
 }
 
-/// Charts of the proxy carried to the fine surface. `parts`: part of each fine face, and of each of the
-/// proxy's; a fine face goes to no chart that has nothing of its part. A chart that cannot be carried is
+/// Charts of the proxy carried to the fine surface. `parts`: part of each fine face, [`NONE`] for those that
+/// get no chart, and of each of the proxy's. Every other fine face gets one, of its part where there is one. A chart that cannot be carried is
 /// divided on the proxy, [`DIVIDED`] times at most, and then on the fine surface.
 pub fn charts(
     fine: &Surface,
@@ -65,7 +56,8 @@ pub fn charts(
     let mut waiting = coarse;
     let mut charts = Vec::new();
     for round in 0..=DIVIDED {
-        let carrier = Carrier { fine, proxy, options, run, last: round == DIVIDED };
+        let late = round > 0 && run.skips(Stage::Charts, GaveUp::Joining);
+        let carrier = Carrier { fine, proxy, options, run, last: late || round == DIVIDED };
         let Carried { done, failed, chart_of } = carrier.carry(&waiting, [&parts[0], &parts[1]])?;
         charts.extend(done);
         if failed.is_empty() {
@@ -126,7 +118,12 @@ impl Carrier<'_> {
             false => pieces.of_face[on as usize],
         };
         let labels = proxy.face.iter().zip(fine_parts).map(carried).collect();
-        let labels = spread(fine, labels, fine_parts, fits);
+        let any = |part: u32| {
+            let of_part = pieces.of_face.iter().zip(proxy_parts).filter(|(p, _)| **p != NONE);
+            let mut of_part = of_part.filter(|(_, own)| **own == part);
+            of_part.next().map_or(0, |(&piece, _)| piece)
+        };
+        let labels = spread(fine, labels, fine_parts, fits, any);
         let mut band = Band::new(fine, proxy, &pieces, labels, Some(fine_parts));
         settle(&mut band, fine);
         run.cancel.check()?;
@@ -156,12 +153,14 @@ impl Carrier<'_> {
     }
 }
 
-/// Labels that do not fit are replaced by the nearest over faces that does, or stay where there is none.
+/// Labels that do not fit are replaced by the nearest over faces that does. Where there is none, they stay; a
+/// face without a label gets `any` of its part.
 fn spread(
     fine: &Surface,
     labels: Vec<u32>,
     parts: &[u32],
     fits: impl Fn(usize, u32) -> bool,
+    any: impl Fn(u32) -> u32,
 ) -> Vec<u32> {
     let mut done: Vec<bool> = (0..labels.len()).map(|f| fits(f, labels[f])).collect();
     let mut new = labels;
@@ -173,6 +172,11 @@ fn spread(
                 (new[g], done[g]) = (new[f as usize], true);
                 queue.push_back(g as u32);
             }
+        }
+    }
+    for (label, &part) in new.iter_mut().zip(parts) {
+        if *label == NONE && part != NONE {
+            *label = any(part);
         }
     }
     new

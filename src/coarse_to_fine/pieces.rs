@@ -10,6 +10,26 @@ use crate::mesh::{DisjointSets, NONE, Surface};
 /// Faces around a cut's side that become a piece, in rings.
 const RINGS: usize = 2;
 
+/// What labels mean: where they part, and what they stand for.
+pub trait Seams {
+    /// Whether two labels are parted where they meet.
+    fn parts(&self, a: u32, b: u32) -> bool;
+    /// Labels of one group are dealt anew together: those of one chart.
+    fn group(&self, label: u32) -> u32;
+}
+
+/// Plain labels: each parts from every other.
+pub struct Plain;
+
+impl Seams for Plain {
+    fn parts(&self, a: u32, b: u32) -> bool {
+        a != b
+    }
+    fn group(&self, label: u32) -> u32 {
+        label
+    }
+}
+
 /// The proxy's charts, dealt into pieces.
 pub struct Pieces {
     /// Piece of each face, or [`NONE`].
@@ -106,11 +126,15 @@ impl Pieces {
         pieces.glued.retain(|_, length| *length > 0.0);
         pieces
     }
+}
 
-    /// Whether there is a seam between neighbouring faces of two pieces.
-    pub fn parts(&self, a: u32, b: u32) -> bool {
+impl Seams for Pieces {
+    fn parts(&self, a: u32, b: u32) -> bool {
         a != b
             && (self.chart[a as usize] != self.chart[b as usize]
                 || !self.glued.contains_key(&(a.min(b), a.max(b))))
+    }
+    fn group(&self, label: u32) -> u32 {
+        self.chart[label as usize]
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::pieces::Pieces;
+use super::pieces::{Pieces, Seams};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece, StartKind};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
@@ -125,12 +125,14 @@ impl Refiner<'_> {
         let Piece { faces, disk, vertices } = piece;
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         let sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
+        // The cut may have been made with a higher bound, for `max_charts`.
+        let reached = flatten::quality(&chart.disk, coarse).mean - 1.0;
+        let most = self.options.distortion_bound.max(reached) + NOISE;
+        let fits = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0 <= most;
         let carried = flatten::extend(&disk, self.prolonged(chart, coarse, &faces, &disk));
         let mut found = None;
         if let Some(mended) = carried.and_then(|carried| flatten::untangle(&disk, carried)) {
             let relaxed = flatten::relax(&disk, mended.clone(), SWEEPS, &self.run.cancel)?;
-            let most = self.options.distortion_bound + NOISE;
-            let fits = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0 <= most;
             found = [relaxed, mended].into_iter().find(|uv| fits(uv) && sound(uv));
         }
         let made = |uv: UvMap, start_kind| Chart {
@@ -151,8 +153,7 @@ impl Refiner<'_> {
         if sound(&start) {
             let uv = flatten::relax(&disk, start.clone(), SWEEPS, &self.run.cancel)?;
             let uv = if sound(&uv) { uv } else { start.clone() };
-            let most = self.options.distortion_bound + NOISE;
-            if flatten::quality(&disk, &uv).mean - 1.0 <= most {
+            if fits(&uv) {
                 return Ok(Ok(made(flatten::rescale(&disk, uv), kind.into())));
             }
         }

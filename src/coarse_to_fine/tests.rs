@@ -93,6 +93,44 @@ fn noise_does_not_shatter() {
 }
 
 #[test]
+fn what_is_not_dense_stays_as_it_was_cut() {
+    // A torus, and far from it a plate of 800 faces in two halves.
+    let mut torus = torus(0.0);
+    let plate = wrapped(400, 1, false, 0.0, |u, v| DVec3::new(400.0 * u, 9.0, v));
+    let positions: Vec<DVec3> = torus.positions.drain(..).chain(plate.positions).collect();
+    let base = (positions.len() - 800) as u32;
+    let plate: Vec<[u32; 3]> = plate.triangles.iter().map(|t| t.map(|v| v + base)).collect();
+    let faces = [torus.triangles, plate].concat();
+    let fine = condition(&Scene::from_triangles(positions, faces), &Run::quiet()).unwrap();
+    let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01 });
+    let proxy = proxy(&fine, SIZE, &run).unwrap().unwrap();
+    // The halves end in a zigzag that no cut would leave.
+    let ends = |f: u32| if f < 12_000 { 0 } else { 1 + u32::from(f % 4 > 1) };
+    let coarse: Vec<u32> = proxy.left_of.iter().map(|&f| ends(f)).collect();
+    let carried = labels(&fine, &proxy, &coarse);
+    assert_eq!(carried, (0..fine.face_count() as u32).map(ends).collect::<Vec<_>>());
+    let cut = charts::build(&proxy.surface, &coarse, &options, &run).unwrap();
+    let charts = charts(&fine, &proxy, cut.clone(), [&carried, &coarse], &options, &run).unwrap();
+    for chart in cut.iter().filter(|c| c.part > 0) {
+        let faces: Vec<u32> = chart.faces.iter().map(|&f| proxy.left_of[f as usize]).collect();
+        let same = charts.iter().find(|c| c.faces == faces).unwrap();
+        assert_eq!((&same.disk, &same.cut_map), (&chart.disk, &chart.cut_map));
+    }
+}
+
+#[test]
+fn every_face_of_a_part_gets_a_label() {
+    let fine = tube(0.0);
+    let parts: Vec<u32> =
+        (0..fine.face_count() as u32).map(|f| [0, 1, NONE][f as usize % 3]).collect();
+    let labels = vec![NONE; parts.len()];
+    let given = spread(&fine, labels, &parts, |_, _| false, |part| 7 + part);
+    for (&label, &part) in given.iter().zip(&parts) {
+        assert_eq!(label, if part == NONE { NONE } else { 7 + part });
+    }
+}
+
+#[test]
 fn the_same_at_any_number_of_threads() {
     let fine = torus(0.1);
     let with = |threads| {

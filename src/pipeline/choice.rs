@@ -53,12 +53,13 @@ fn best_of(
 ) -> Result<Made, Cause> {
     let cut = |quality| {
         let options = UnwrapOptions { quality, ..options.clone() };
-        charting::cut(found, solvers, &options, engine, run)
+        let cut = charting::cut(found, solvers, &options, engine, run)?;
+        let charts = solvers.refined(cut.charts, found, &options, run)?;
+        Ok::<_, Cause>(Cut { charts, ..cut })
     };
     let finish = |cut: Cut, quality| {
         let options = UnwrapOptions { quality, ..options.clone() };
         let Cut { charts, regions, joint_seams, missed } = cut;
-        let charts = solvers.refined(charts, found, &options, run)?;
         let mapped = match options.stop_after {
             Some(StopAfter::Charts) => maps::untrained(charts),
             _ => maps::trained(found, solvers, charts, &options, engine, run)?,

@@ -42,6 +42,7 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize
     };
     // Expected gain: what distortion there is, times the area that has it.
     let mut ranked: Vec<(f64, usize)> = Vec::new();
+    // What was carried over from a proxy is large and polished already.
     let pays = |chart: &Chart| {
         chart.start_kind != StartKind::Prolonged || options.quality == Quality::Best
     };

@@ -38,26 +38,31 @@ pub struct Solvers {
     pub surface: Arc<Surface>,
     /// How it goes back to the conditioned surface, where it is a proxy.
     pub proxy: Option<Proxy>,
-    /// For each of its faces the face whose UVs it carries.
-    pub sources: Vec<u32>,
+    /// Whether each of its faces gets UVs of its own.
+    pub own: Vec<bool>,
     /// The dense cloud on it.
     pub cloud: PointCloud,
     /// Part of each face, or [`NONE`](mesh::NONE).
     pub part_of: Vec<u32>,
 }
 
-#[cfg(test)]
 impl Found {
+    /// Whether each face gets UVs of its own, and does not carry those of its mate.
+    pub fn own(&self) -> Vec<bool> {
+        (0u32..).zip(&self.sources).map(|(f, &source)| f == source).collect()
+    }
+
     /// The surface with its parts.
-    pub fn segmented(&self) -> Segmented<'_> {
-        Segmented { surface: &self.surface, labels: &self.parts.labels, sources: &self.sources }
+    #[cfg(test)]
+    pub fn segmented<'a>(&'a self, own: &'a [bool]) -> Segmented<'a> {
+        Segmented { surface: &self.surface, labels: &self.parts.labels, own }
     }
 }
 
 impl Solvers {
     /// The surface with its parts.
     pub fn segmented(&self) -> Segmented<'_> {
-        Segmented { surface: &self.surface, labels: &self.part_of, sources: &self.sources }
+        Segmented { surface: &self.surface, labels: &self.part_of, own: &self.own }
     }
 
     /// Charts of this surface as charts of the conditioned one.
@@ -69,8 +74,9 @@ impl Solvers {
         run: &Run,
     ) -> Result<Vec<Chart>, Canceled> {
         let Some(proxy) = &self.proxy else { return Ok(charts) };
-        let parts = [&found.parts.labels[..], &self.part_of];
-        let how = ChartOptions::from(options);
+        let labels = found.parts.labels.iter().zip(found.own());
+        let parts: Vec<u32> = labels.map(|(&part, own)| if own { part } else { NONE }).collect();
+        let (parts, how) = ([&parts[..], &self.part_of], ChartOptions::from(options));
         coarse_to_fine::charts(&found.surface, proxy, charts, parts, &how, run)
     }
 }
@@ -110,9 +116,9 @@ pub fn find(
     let asked = SegmentOptions::from(options);
     let how = affordable(asked, &seen, run);
     let parts = segmentation::segment(&seen, &cloud, &how, &engine.weights, &engine.device, run)?;
-    let sources = |surface: &Surface| match options.double_sided {
+    let sources = match options.double_sided {
         DoubleSided::Separate => (0..surface.face_count() as u32).collect(),
-        DoubleSided::Share => sheets::sources(surface),
+        DoubleSided::Share => sheets::sources(&surface),
     };
     let part_of = parts.labels.clone();
     let parts = match &proxy {
@@ -122,12 +128,17 @@ pub fn find(
     let found = Found {
         weights: how.hears_network(&seen).then(|| engine.weights.digest().to_owned()),
         densities: densities(&parts.parts, options)?,
-        sources: sources(&surface),
         surface,
         parts,
+        sources,
+    };
+    // A face of the proxy is what is left of one of the surface.
+    let own = match &proxy {
+        Some(proxy) => proxy.left_of.iter().map(|&f| found.sources[f as usize] == f).collect(),
+        None => found.own(),
     };
     run.parts(0, found.parts.parts.len() as u32);
-    Ok((found, Solvers { sources: sources(&seen), surface: seen, proxy, cloud, part_of }))
+    Ok((found, Solvers { surface: seen, proxy, own, cloud, part_of }))
 }
 
 /// An error where no face has area: there is nothing to unwrap.
@@ -276,7 +287,10 @@ mod tests {
             let (found, solvers) =
                 find(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
             assert_eq!(found.parts.parts.len(), 1);
-            assert_eq!(regions::divide(&found, &found.segmented(), atlas).atlas, atlases);
+            assert_eq!(
+                regions::divide(&found, &found.segmented(&found.own()), atlas).atlas,
+                atlases
+            );
             assert_eq!(solvers.part_of, [0, 0]);
         }
     }

@@ -30,8 +30,8 @@ pub struct Segmented<'a> {
     pub surface: &'a Surface,
     /// Part of each face, or [`NONE`].
     pub labels: &'a [u32],
-    /// For each face the face whose UVs it carries.
-    pub sources: &'a [u32],
+    /// Whether each face gets UVs of its own, and does not carry another's.
+    pub own: &'a [bool],
 }
 
 impl Regions {
@@ -76,7 +76,7 @@ pub fn divide(found: &Found, on: &Segmented, atlas: AtlasGrouping) -> Regions {
             AtlasGrouping::Scene => 0,
             AtlasGrouping::Material => surface.origins[f].material,
         };
-        let own = surface.usable[f] && on.sources[f] == f as u32;
+        let own = surface.usable[f] && on.own[f];
         let part = on.labels[f];
         (own && part != NONE).then_some((part, material))
     };
@@ -166,7 +166,7 @@ mod tests {
         for (source, own) in [(SegmentationSource::Geometric, 0), (SegmentationSource::Labels, 1)] {
             let regions = {
                 let found = found(source);
-                divide(&found, &found.segmented(), AtlasGrouping::Scene)
+                divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene)
             };
             assert_eq!([0, 126, 127, 799].map(|f| regions.of_face[f]), [0, own, own, 2]);
         }
@@ -176,6 +176,9 @@ mod tests {
     fn a_speck_of_its_own_density_stays() {
         let mut found = found(SegmentationSource::Geometric);
         found.densities[1] = 4.0;
-        assert_eq!(divide(&found, &found.segmented(), AtlasGrouping::Scene).of_face[126], 1);
+        assert_eq!(
+            divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene).of_face[126],
+            1
+        );
     }
 }
