@@ -2,10 +2,12 @@
 //! are straightened in a band about their borders, and the charts' maps.
 
 mod band;
+mod divide;
 mod pieces;
+mod prolong;
 mod refine;
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use rayon::prelude::*;
 
@@ -14,14 +16,20 @@ use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{NONE, Proxy, Surface};
 use band::Band;
 use pieces::{Pieces, Plain, Seams};
-use refine::Refiner;
+use refine::{Refined, Refiner};
 
 /// Islands of at most this share of the area go to their neighbours: what would be less than some 64 texels
 /// of a usual page.
 const ISLAND: f64 = 1.5e-4;
 
+/// Rings of faces around those at which a chart could not be carried that are held where the proxy has them.
+const HELD: u32 = 24;
+
+/// Share of a chart's faces that may be in its way.
+const IN_WAY: f64 = 0.02;
+
 /// Times that charts which fail are divided on the proxy.
-const DIVIDED: u32 = 6;
+const DIVIDED: u32 = 3;
 
 /// Labels of the proxy's faces carried to the fine faces. Where the caller gave labels, they end where those
 /// do.
@@ -38,6 +46,7 @@ fn settle<S: Seams>(band: &mut Band<S>, fine: &Surface) {
     band.straighten();
     band.absorb_islands(least);
     band.straighten();
+    band.smooth();
     band.absorb_islands(least);
 }
 
@@ -58,7 +67,25 @@ pub fn charts(
     for round in 0..=DIVIDED {
         let late = round > 0 && run.skips(Stage::Charts, GaveUp::Joining);
         let carrier = Carrier { fine, proxy, options, run, last: late || round == DIVIDED };
-        let Carried { done, failed, chart_of } = carrier.carry(&waiting, [&parts[0], &parts[1]])?;
+        let parts_now = [&parts[0][..], &parts[1]];
+        let mut carried = carrier.carry(&waiting, parts_now, &Change::default(), None)?;
+        // Where that failed: once more with borders as the proxy has them, or that give way, or without what is
+        // in the way.
+        for change in [Change::held(fine, &carried), Change::given(&carried), Change::peeled()] {
+            if carried.failed.is_empty() || late {
+                break;
+            }
+            let again = carrier.carry(&waiting, parts_now, &change, Some(&carried))?;
+            if again.failed.len() < carried.failed.len() {
+                carried = again;
+            }
+        }
+        let (done, failed) = (carried.refined.into_iter().flatten().flatten(), carried.failed);
+        let chart_of = carried.chart_of;
+        let mut trouble: Vec<u32> =
+            carried.trouble.iter().map(|&f| proxy.face[f as usize]).collect();
+        trouble.sort_unstable();
+        trouble.dedup();
         charts.extend(done);
         if failed.is_empty() {
             break;
@@ -71,7 +98,7 @@ pub fn charts(
         for (i, &chart) in (0u32..).zip(&failed) {
             let chart = &waiting[chart as usize];
             chart.faces.iter().for_each(|&f| parts[1][f as usize] = i);
-            halves.extend(charts::split_chart(&proxy.surface, chart, options, run)?);
+            halves.extend(divide::divide(chart, &trouble));
         }
         waiting = halves;
     }
@@ -88,21 +115,61 @@ struct Carrier<'a> {
     last: bool,
 }
 
+/// What is to be other than the band has it.
+#[derive(Default)]
+struct Change {
+    /// Whether each fine face stays where the proxy's charts have it; empty for none.
+    held: Vec<bool>,
+    /// Fine faces that go to the chart beside theirs.
+    given: Vec<u32>,
+    /// Whether faces that are in the way of a chart become charts of their own.
+    peel: bool,
+}
+
+impl Change {
+    fn held(fine: &Surface, carried: &Carried) -> Self {
+        Self { held: near(fine, &carried.trouble, HELD), ..Self::default() }
+    }
+    fn given(carried: &Carried) -> Self {
+        // Only where little is in the way.
+        let mut of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for &f in &carried.trouble {
+            of.entry(carried.chart_of[f as usize]).or_default().push(f);
+        }
+        of.retain(|&chart, at| {
+            at.len() as f64 <= IN_WAY * carried.faces[chart as usize].len() as f64
+        });
+        Self { given: of.into_values().flatten().collect(), ..Self::default() }
+    }
+    fn peeled() -> Self {
+        Self { peel: true, ..Self::default() }
+    }
+}
+
 /// Charts that were carried.
 struct Carried {
-    /// On the fine surface.
-    done: Vec<Chart>,
+    /// Each on the fine surface, `None` where it could not be carried.
+    refined: Vec<Option<Vec<Chart>>>,
     /// Numbers of those that could not be carried.
     failed: Vec<u32>,
+    /// Fine faces at which they failed.
+    trouble: Vec<u32>,
+    /// Piece of each fine face, or [`NONE`].
+    labels: Vec<u32>,
+    /// Fine faces of each.
+    faces: Vec<Vec<u32>>,
     /// Chart of each fine face, or [`NONE`].
     chart_of: Vec<u32>,
 }
 
 impl Carrier<'_> {
+    /// What is as it was `before` is not carried again.
     fn carry(
         &self,
         coarse: &[Chart],
         [fine_parts, proxy_parts]: [&[u32]; 2],
+        change: &Change,
+        before: Option<&Carried>,
     ) -> Result<Carried, Canceled> {
         let &Self { fine, proxy, options, run, last } = self;
         let pieces = Pieces::new(&proxy.surface, coarse);
@@ -125,7 +192,14 @@ impl Carrier<'_> {
         };
         let labels = spread(fine, labels, fine_parts, fits, any);
         let mut band = Band::new(fine, proxy, &pieces, labels, Some(fine_parts));
+        if !change.held.is_empty() {
+            band.held.clone_from(&change.held);
+        }
         settle(&mut band, fine);
+        if !change.given.is_empty() {
+            band.give(&change.given);
+            band.smooth();
+        }
         run.cancel.check()?;
         let labels = band.labels;
         let chart = |&l: &u32| if l == NONE { NONE } else { pieces.chart[l as usize] };
@@ -137,20 +211,46 @@ impl Carrier<'_> {
         let clearance = charts::clearance(fine);
         let refiner =
             Refiner { fine, proxy, pieces: &pieces, labels: &labels, options, clearance, run };
-        let refined: Result<Vec<Option<Vec<Chart>>>, Canceled> = coarse
+        let as_before = |number: usize| {
+            let before = before?;
+            let same = before.faces[number] == faces[number]
+                && faces[number].iter().all(|&f| before.labels[f as usize] == labels[f as usize]);
+            before.refined[number].clone().filter(|_| same)
+        };
+        let refined: Result<Vec<Refined>, Canceled> = coarse
             .par_iter()
-            .zip(faces)
-            .map(|(chart, faces)| refiner.refine(chart, faces, last))
+            .enumerate()
+            .map(|(number, chart)| match as_before(number) {
+                Some(charts) => Ok(Ok(charts)),
+                None => refiner.refine(chart, faces[number].clone(), change.peel, last),
+            })
             .collect();
-        let (mut done, mut failed) = (Vec::new(), Vec::new());
-        for (number, charts) in (0u32..).zip(refined?) {
-            match charts {
-                Some(charts) => done.extend(charts),
-                None => failed.push(number),
+        let mut trouble = Vec::new();
+        let refined: Vec<Option<Vec<Chart>>> = refined?
+            .into_iter()
+            .map(|charts| charts.map_err(|at| trouble.extend(at)).ok())
+            .collect();
+        let failed = (0u32..).zip(&refined).filter(|(_, charts)| charts.is_none());
+        let failed = failed.map(|(number, _)| number).collect();
+        Ok(Carried { refined, failed, trouble, labels, faces, chart_of })
+    }
+}
+
+/// Faces within so many rings of others.
+fn near(fine: &Surface, of: &[u32], rings: u32) -> Vec<bool> {
+    let mut near = vec![false; fine.face_count()];
+    let mut ring: Vec<u32> = of.to_vec();
+    of.iter().for_each(|&f| near[f as usize] = true);
+    for _ in 0..rings {
+        for f in std::mem::take(&mut ring) {
+            for t in (3 * f..3 * f + 3).map(|h| fine.twin[h as usize]).filter(|&t| t != NONE) {
+                if !std::mem::replace(&mut near[t as usize / 3], true) {
+                    ring.push(t / 3);
+                }
             }
         }
-        Ok(Carried { done, failed, chart_of })
     }
+    near
 }
 
 /// Labels that do not fit are replaced by the nearest over faces that does. Where there is none, they stay; a

@@ -2,13 +2,13 @@
 //! border between labels: the faces at each of its sides become *pieces* of their own, of which it is known
 //! whether they are cut or glued where they meet.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::charts::Chart;
 use crate::mesh::{DisjointSets, NONE, Surface};
 
 /// Faces around a cut's side that become a piece, in rings.
-const RINGS: usize = 2;
+const RINGS: usize = 5;
 
 /// What labels mean: where they part, and what they stand for.
 pub trait Seams {
@@ -116,6 +116,34 @@ impl Pieces {
                 }
             }
         }
+        // Beyond its end the two sides of a cut would meet where they are glued, and a short cut would be no
+        // more than that: what lies there stays with the chart.
+        let mut is_cut_beside = vec![false; chart_of.len()];
+        cuts.iter().for_each(|&h| is_cut_beside[h as usize / 3] = true);
+        let at_cut: BTreeSet<(u32, u32)> = cuts
+            .iter()
+            .map(|&h| pair(&pieces.of_face, h, proxy.twin[h as usize]))
+            .filter(|(a, b)| a != b)
+            .collect();
+        for h in half_edges.clone().filter(|&h| glued(h)) {
+            let pair = pair(&pieces.of_face, h, proxy.twin[h as usize]);
+            if at_cut.contains(&pair) {
+                // The fans of both ends.
+                for start in [h, next(h)] {
+                    let mut g = start;
+                    loop {
+                        let f = g as usize / 3;
+                        if !is_cut_beside[f] {
+                            pieces.of_face[f] = chart_of[f];
+                        }
+                        g = proxy.twin[(g - g % 3 + (g % 3 + 2) % 3) as usize];
+                        if g == NONE || g == start || chart_of[g as usize / 3] != chart_of[f] {
+                            break;
+                        }
+                    }
+                }
+            }
+        }
         for h in half_edges.filter(|&h| within(h)) {
             let [a, b] = [h, proxy.twin[h as usize]].map(|h| pieces.of_face[h as usize / 3]);
             if a < b {
@@ -126,6 +154,12 @@ impl Pieces {
         pieces.glued.retain(|_, length| *length > 0.0);
         pieces
     }
+}
+
+/// The pieces on both sides of an edge, the lower first.
+fn pair(of_face: &[u32], h: u32, twin: u32) -> (u32, u32) {
+    let [a, b] = [h, twin].map(|h| of_face[h as usize / 3]);
+    (a.min(b), a.max(b))
 }
 
 impl Seams for Pieces {

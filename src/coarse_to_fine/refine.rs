@@ -1,22 +1,28 @@
 //! A proxy's chart as charts of the fine surface: the faces that carry its label, cut open where the proxy's
-//! chart is, and its map carried over the record (prolongation), mended, relaxed and proved.
+//! chart is, each piece with its map (`prolong`).
+
+use std::collections::VecDeque;
 
 use glam::DVec2;
 
+use super::IN_WAY;
 use super::pieces::{Pieces, Seams};
-use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece, StartKind};
+use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
-use crate::mesh::{NONE, Place, Proxy, Surface};
+use crate::mesh::{NONE, Proxy, Surface};
 
 /// Descent steps of a proxy's map before it is carried over.
 const STEPS: u32 = 20;
 
-/// Energy that noise and roughness, which the proxy has not, may add to its map's.
-const NOISE: f64 = 0.04;
+/// Rings of faces around an overlap in which a cut is closed.
+const CLOSED: u32 = 12;
 
-/// Sweeps over the vertices of a map that was carried over.
-const SWEEPS: u32 = 8;
+/// Neighbouring faces that lie farther apart on the proxy's map, in its mean edges, are none.
+const FAR: f64 = 5.0;
+
+/// Charts of the fine surface, or the fine faces at which one of the proxy could not be carried.
+pub type Refined = Result<Vec<Chart>, Vec<u32>>;
 
 /// What every chart is refined with.
 pub struct Refiner<'a> {
@@ -30,22 +36,36 @@ pub struct Refiner<'a> {
     pub run: &'a Run,
 }
 
+/// Which faces lie within [`CLOSED`] rings of faces of the surface.
+fn around(mesh: &PartMesh, of: &[u32]) -> Vec<bool> {
+    let mut near: Vec<bool> = mesh.faces.iter().map(|f| of.binary_search(f).is_ok()).collect();
+    for _ in 0..CLOSED {
+        let ring: Vec<usize> = (0..mesh.twin.len())
+            .filter(|&h| near[h / 3] && mesh.twin[h] != NONE)
+            .map(|h| mesh.twin[h] as usize / 3)
+            .collect();
+        ring.into_iter().for_each(|f| near[f] = true);
+    }
+    near
+}
+
 impl Refiner<'_> {
-    /// A chart of the proxy on the fine surface: `faces` (ascending) carry its label. `None` where it must be
-    /// divided on the proxy; the `last` time it is divided here.
+    /// A chart of the proxy on the fine surface: `faces` (ascending) carry its label. Where it must be divided on
+    /// the proxy the fine faces at which it fails; the `last` time it is divided here.
     pub fn refine(
         &self,
         chart: &Chart,
         faces: Vec<u32>,
+        peel: bool,
         last: bool,
-    ) -> Result<Option<Vec<Chart>>, Canceled> {
-        let Some(&first) = chart.faces.first() else { return Ok(Some(Vec::new())) };
+    ) -> Result<Refined, Canceled> {
+        let Some(&first) = chart.faces.first() else { return Ok(Ok(Vec::new())) };
         if !self.proxy.collapsed[first as usize] {
-            return Ok(Some(vec![self.as_it_is(chart)]));
+            return Ok(Ok(vec![self.as_it_is(chart)]));
         }
         let last = last || chart.faces.len() == 1;
         let whole = faces.len();
-        let options = SlimOptions { iterations: STEPS, ..Default::default() };
+        let options = SlimOptions { iterations: STEPS, keep_simple: true, ..Default::default() };
         let coarse = flatten::slim(&chart.disk, &chart.cut_map, &options, &self.run.cancel)?;
         let mesh = PartMesh::new(self.fine, faces);
         let all: Vec<u32> = (0..mesh.len() as u32).collect();
@@ -54,23 +74,144 @@ impl Refiner<'_> {
             let t = mesh.twin[h as usize];
             t != NONE && !self.pieces.parts(label(h), label(t))
         };
+        let beside = self.beside(chart, &mesh, glued);
+        let middle = |of: u32| {
+            let corners = chart.disk.triangles[of as usize].map(|v| coarse[v as usize]);
+            corners.iter().sum::<DVec2>() / 3.0
+        };
+        let edge = flatten::scale(&chart.disk, &coarse)
+            * (chart.disk.area() / chart.faces.len() as f64 * 4.0 / 3f64.sqrt()).sqrt();
+        // Sides that had something between them, which is gone, touch: they are no neighbours on the map.
+        let apart = |h: u32| {
+            let [a, b] = [h, mesh.twin[h as usize]].map(|h| beside[h as usize / 3]);
+            let known = a != b && a != NONE && b != NONE;
+            known && middle(a).distance(middle(b)) > FAR * edge
+        };
+        let half_edges = 0..3 * mesh.len() as u32;
+        let inner = |h: u32| mesh.twin[h as usize] != NONE;
+        let apart: Vec<bool> = half_edges.clone().map(|h| inner(h) && apart(h)).collect();
+        let glued: Vec<bool> = half_edges.map(|h| glued(h) && !apart[h as usize]).collect();
         let mut charts = Vec::new();
-        for faces in mesh.components(&all, glued) {
+        for faces in mesh.components(&all, |h| glued[h as usize]) {
             self.run.cancel.check()?;
-            let piece = self.opened(chart, &mesh, faces, glued);
-            let whole = piece.faces.len() == whole;
-            match self.mapped(chart, &coarse, &mesh, piece)? {
+            let piece = self.opened(chart, &mesh, faces.clone(), &glued);
+            let mut mapped = self.mapped(chart, &coarse, &mesh, piece, last)?;
+            if let Err(trouble) = &mapped {
+                // Without the cut that overlaps, where that is short.
+                let near = around(&mesh, trouble);
+                let closed = |h: u32| {
+                    let t = mesh.twin[h as usize];
+                    glued[h as usize]
+                        || (t != NONE
+                            && !apart[h as usize]
+                            && near[h as usize / 3]
+                            && near[t as usize / 3])
+                };
+                let closed: Vec<bool> = (0..glued.len() as u32).map(closed).collect();
+                if closed != glued
+                    && mesh.components(&faces, |h| closed[h as usize]) == [faces.clone()]
+                {
+                    let piece = self.opened(chart, &mesh, faces.clone(), &closed);
+                    if let Ok(made) = self.mapped(chart, &coarse, &mesh, piece, false)? {
+                        mapped = Ok(made);
+                    }
+                }
+            }
+            match mapped {
                 Ok(made) => {
-                    let shape = if whole { made.shape } else { ChartShape::General };
+                    let shape = if faces.len() == whole { made.shape } else { ChartShape::General };
                     charts.push(Chart { shape, ..made });
                 }
-                Err(failed) if last => {
-                    charts.extend(charts::split_chart(self.fine, &failed, self.options, self.run)?);
+                Err(trouble) => {
+                    let peeled = match peel || last {
+                        true => self.peeled(chart, &coarse, &mesh, &faces, &glued, &trouble)?,
+                        false => None,
+                    };
+                    match peeled {
+                        Some(made) => charts.extend(made),
+                        None if last => charts.extend(self.split(chart, &mesh, &faces)?),
+                        None => return Ok(Err(trouble)),
+                    }
                 }
-                Err(_) => return Ok(None),
+            }
+        }
+        Ok(Ok(charts))
+    }
+
+    /// A piece without the few faces that are in its way, and these as charts of their own.
+    fn peeled(
+        &self,
+        chart: &Chart,
+        coarse: &UvMap,
+        mesh: &PartMesh,
+        faces: &[u32],
+        glued: &[bool],
+        trouble: &[u32],
+    ) -> Result<Option<Vec<Chart>>, Canceled> {
+        let in_way = |f: u32| trouble.binary_search(&mesh.faces[f as usize]).is_ok();
+        let rest: Vec<u32> = faces.iter().copied().filter(|&f| !in_way(f)).collect();
+        let among = |h: u32, way: bool| {
+            let t = mesh.twin[h as usize];
+            glued[h as usize] && in_way(h / 3) == way && in_way(t / 3) == way
+        };
+        let rest = mesh.components(&rest, |h| among(h, false));
+        let Some(main) = rest.into_iter().max_by_key(Vec::len) else { return Ok(None) };
+        if (main.len() as f64) < (1.0 - IN_WAY) * faces.len() as f64 {
+            return Ok(None);
+        }
+        let whole = |f: u32| main.binary_search(&f).is_ok();
+        let peeled: Vec<u32> = faces.iter().copied().filter(|&f| !whole(f)).collect();
+        let together =
+            |h: u32| glued[h as usize] && !whole(h / 3) && !whole(mesh.twin[h as usize] / 3);
+        let mut charts = Vec::new();
+        let peeled = mesh.components(&peeled, together);
+        for (i, faces) in std::iter::once(main.clone()).chain(peeled).enumerate() {
+            let piece = self.opened(chart, mesh, faces.clone(), glued);
+            match self.mapped(chart, coarse, mesh, piece, i > 0)? {
+                Ok(made) => charts.push(Chart { shape: ChartShape::General, ..made }),
+                Err(_) if i == 0 => return Ok(None),
+                Err(_) => charts.extend(self.split(chart, mesh, &faces)?),
             }
         }
         Ok(Some(charts))
+    }
+
+    /// Faces divided on the fine surface.
+    fn split(&self, chart: &Chart, mesh: &PartMesh, faces: &[u32]) -> Result<Vec<Chart>, Canceled> {
+        let faces = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
+        let failed = Chart { faces, part: chart.part, ..Chart::default() };
+        charts::split_chart(self.fine, &failed, self.options, self.run)
+    }
+
+    /// The face of the proxy's chart that each fine face lies on, or that is next over faces to which it is
+    /// glued; [`NONE`] where there is none.
+    fn beside(&self, chart: &Chart, mesh: &PartMesh, glued: impl Fn(u32) -> bool) -> Vec<u32> {
+        let own = |&f: &u32| {
+            let face = self.proxy.face[f as usize];
+            let at = chart.faces.binary_search(&face).ok()?;
+            self.fits(self.labels[f as usize], face).then_some(at as u32)
+        };
+        let mut beside: Vec<u32> = mesh.faces.iter().map(|f| own(f).unwrap_or(NONE)).collect();
+        let mut queue: VecDeque<u32> =
+            (0..beside.len() as u32).filter(|&f| beside[f as usize] != NONE).collect();
+        while let Some(f) = queue.pop_front() {
+            for h in (3 * f..3 * f + 3).filter(|&h| glued(h)) {
+                let g = mesh.twin[h as usize] / 3;
+                if beside[g as usize] == NONE {
+                    beside[g as usize] = beside[f as usize];
+                    queue.push_back(g);
+                }
+            }
+        }
+        beside
+    }
+
+    /// Whether a face of the proxy lies in the piece of a label, or in one that is glued to it.
+    pub fn fits(&self, label: u32, face: u32) -> bool {
+        let piece = self.pieces.of_face[face as usize];
+        piece != NONE
+            && self.pieces.chart[piece as usize] == self.pieces.chart[label as usize]
+            && !self.pieces.parts(label, piece)
     }
 
     /// A chart of faces that were not collapsed.
@@ -86,14 +227,8 @@ impl Refiner<'_> {
     }
 
     /// Faces cut open as the proxy's chart is, or where noise has left a hole or a handle more, to a disk.
-    fn opened(
-        &self,
-        chart: &Chart,
-        mesh: &PartMesh,
-        faces: Vec<u32>,
-        glued: impl Fn(u32) -> bool,
-    ) -> Piece {
-        let piece = mesh.cut_open_where(faces.clone(), &glued);
+    fn opened(&self, chart: &Chart, mesh: &PartMesh, faces: Vec<u32>, glued: &[bool]) -> Piece {
+        let piece = mesh.cut_open(faces.clone(), glued);
         let topology = |disk: &Disk| {
             let border = Border::of(disk);
             (border.loops.len(), border.euler)
@@ -104,85 +239,13 @@ impl Refiner<'_> {
         }
         let whole =
             PartMesh::new(self.fine, faces.iter().map(|&f| mesh.faces[f as usize]).collect());
+        // Half-edges of the whole, as those of the mesh.
+        let of_mesh = |h: u32| 3 * faces[h as usize / 3] + h % 3;
         let opened = charts::open_where(&whole, |h| {
-            let t = whole.twin[h as usize];
-            let label = |h: u32| self.labels[whole.faces[h as usize / 3] as usize];
-            t != NONE && !self.pieces.parts(label(h), label(t))
+            whole.twin[h as usize] != NONE && glued[of_mesh(h) as usize]
         });
         let all = (0..whole.len() as u32).collect();
         let Piece { disk, vertices, .. } = whole.cut_open(all, &opened);
         Piece { faces, disk, vertices }
-    }
-
-    /// The chart of a piece with the best map that is proved, or, where none is, with one that is not.
-    fn mapped(
-        &self,
-        chart: &Chart,
-        coarse: &UvMap,
-        mesh: &PartMesh,
-        piece: Piece,
-    ) -> Result<Result<Chart, Chart>, Canceled> {
-        let Piece { faces, disk, vertices } = piece;
-        let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
-        let sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
-        // The cut may have been made with a higher bound, for `max_charts`.
-        let reached = flatten::quality(&chart.disk, coarse).mean - 1.0;
-        let most = self.options.distortion_bound.max(reached) + NOISE;
-        let fits = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0 <= most;
-        let carried = flatten::extend(&disk, self.prolonged(chart, coarse, &faces, &disk));
-        let mut found = None;
-        if let Some(mended) = carried.and_then(|carried| flatten::untangle(&disk, carried)) {
-            let relaxed = flatten::relax(&disk, mended.clone(), SWEEPS, &self.run.cancel)?;
-            found = [relaxed, mended].into_iter().find(|uv| fits(uv) && sound(uv));
-        }
-        let made = |uv: UvMap, start_kind| Chart {
-            part: chart.part,
-            shape: chart.shape.clone(),
-            start: uv.clone(),
-            cut_map: uv,
-            start_kind,
-            faces: faces.clone(),
-            vertices: vertices.clone(),
-            disk: disk.clone(),
-        };
-        if let Some(uv) = found {
-            return Ok(Ok(made(flatten::rescale(&disk, uv), StartKind::Prolonged)));
-        }
-        // The classical start.
-        let (start, kind) = flatten::start_map(&disk);
-        if sound(&start) {
-            let uv = flatten::relax(&disk, start.clone(), SWEEPS, &self.run.cancel)?;
-            let uv = if sound(&uv) { uv } else { start.clone() };
-            if fits(&uv) {
-                return Ok(Ok(made(flatten::rescale(&disk, uv), kind.into())));
-            }
-        }
-        Ok(Err(made(start, kind.into())))
-    }
-
-    /// The map carried over: each vertex where it lies in its proxy face, NaN beyond the chart's proxy.
-    fn prolonged(&self, chart: &Chart, coarse: &UvMap, faces: &[u32], disk: &Disk) -> UvMap {
-        let mut uv = vec![DVec2::NAN; disk.positions.len()];
-        let corners = |face: u32| {
-            let at = chart.faces.binary_search(&face).ok()?;
-            Some(chart.disk.triangles[at].map(|v| coarse[v as usize]))
-        };
-        let fits = |label: u32, face: u32| {
-            let piece = self.pieces.of_face[face as usize];
-            piece != NONE
-                && self.pieces.chart[piece as usize] == self.pieces.chart[label as usize]
-                && !self.pieces.parts(label, piece)
-        };
-        for (&f, triangle) in faces.iter().zip(&disk.triangles) {
-            let label = self.labels[f as usize];
-            for (k, &v) in triangle.iter().enumerate() {
-                let Place { face, weights } =
-                    self.proxy.places[self.proxy.corners[f as usize][k] as usize];
-                if let Some(c) = corners(face).filter(|_| fits(label, face)) {
-                    uv[v as usize] = c.iter().zip(weights).map(|(p, w)| *p * f64::from(w)).sum();
-                }
-            }
-        }
-        uv
     }
 }

@@ -140,10 +140,18 @@ pub struct JointSeams {
 /// are null.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 pub struct NeuralGain {
-    /// The start map.
+    /// The map carried over from the chart's proxy, relaxed, where there is one.
+    #[serde(default)]
+    #[schema(required)]
+    pub prolonged: Option<f64>,
+    /// The same, polished: the baseline where there is one.
+    #[serde(default)]
+    #[schema(required)]
+    pub prolonged_polish: Option<f64>,
+    /// The classical start map.
     #[schema(required)]
     pub start: Option<f64>,
-    /// The start map, polished: the baseline.
+    /// The start map, polished: the baseline where no map was carried over.
     #[schema(required)]
     pub start_polish: Option<f64>,
     /// The network's map.
@@ -152,7 +160,7 @@ pub struct NeuralGain {
     /// The network's map, polished.
     #[schema(required)]
     pub net_polish: Option<f64>,
-    /// (start_polish − net_polish)/start_polish: above 0 where the network earns its place.
+    /// (baseline − net_polish)/baseline: above 0 where the network earns its place.
     #[schema(required)]
     pub gain: Option<f64>,
 }

@@ -109,7 +109,7 @@ value! {
     Quality {
         /// No training: start maps, polished.
         Fast,
-        /// Train the charts that gain most, within a share of the job's time.
+        /// Train the charts for which training has been shown to pay: none, so far.
         #[default]
         Balanced,
         /// Train every chart that is not already isometric.

@@ -3,55 +3,102 @@
 
 use glam::DVec2;
 
-use super::Border;
 use super::sweep::Sweep;
+use super::{Border, segments_meet};
 
 /// Edges nearer to each other along the border than this many clearances may be near in the plane.
 const ALONG: f64 = 4.0;
 
 /// An edge of a border.
-struct Edge {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    /// Vertices of the disk.
+    pub vertices: [u32; 2],
     ends: [DVec2; 2],
     ring: usize,
     /// Where it starts along its ring.
     start: f64,
 }
 
-/// Whether edges that are not neighbours keep `clearance` from each other, and neighbours do not run
-/// back along each other that near.
-pub fn is_clear(border: &Border, uv: &[DVec2], clearance: f64) -> bool {
-    let (mut edges, mut around) = (Vec::new(), Vec::new());
-    for (ring, vertices) in border.loops.iter().enumerate() {
-        let mut start = 0.0;
-        for (k, &v) in vertices.iter().enumerate() {
-            let ends = [uv[v as usize], uv[vertices[(k + 1) % vertices.len()] as usize]];
-            edges.push(Edge { ends, ring, start });
-            start += ends[0].distance(ends[1]);
+/// The edges of a border where they lie.
+struct Edges {
+    edges: Vec<Edge>,
+    /// Length of each ring.
+    around: Vec<f64>,
+}
+
+impl Edges {
+    fn new(border: &Border, uv: &[DVec2]) -> Self {
+        let (mut edges, mut around) = (Vec::new(), Vec::new());
+        for (ring, vertices) in border.loops.iter().enumerate() {
+            let mut start = 0.0;
+            for (k, &v) in vertices.iter().enumerate() {
+                let vertices = [v, vertices[(k + 1) % vertices.len()]];
+                let ends = vertices.map(|v| uv[v as usize]);
+                edges.push(Edge { vertices, ends, ring, start });
+                start += ends[0].distance(ends[1]);
+            }
+            around.push(start);
         }
-        around.push(start);
+        Self { edges, around }
     }
-    let margin = DVec2::splat(0.5 * clearance);
-    let boxes = edges
-        .iter()
-        .map(|e| [e.ends[0].min(e.ends[1]) - margin, e.ends[0].max(e.ends[1]) + margin]);
-    !Sweep::new(boxes.collect()).any(|i, j| {
-        let (e, f) = (&edges[i as usize], &edges[j as usize]);
+
+    /// Pairs that may be nearer than `clearance`.
+    fn sweep(&self, clearance: f64) -> Sweep {
+        let margin = DVec2::splat(0.5 * clearance);
+        let bounds =
+            |e: &Edge| [e.ends[0].min(e.ends[1]) - margin, e.ends[0].max(e.ends[1]) + margin];
+        Sweep::new(self.edges.iter().map(bounds).collect())
+    }
+
+    /// Whether two edges that do not cross are nearer than they may be.
+    fn are_near(&self, e: &Edge, f: &Edge, clearance: f64) -> bool {
         if e.ring != f.ring {
             return distance(e.ends, f.ends) < clearance;
         }
         let length = |e: &Edge| e.ends[0].distance(e.ends[1]);
         let (first, second) = if e.start <= f.start { (e, f) } else { (f, e) };
         let ahead = second.start - first.start - length(first);
-        let behind = around[e.ring] - (second.start + length(second) - first.start);
+        let behind = self.around[e.ring] - (second.start + length(second) - first.start);
         let along = ahead.min(behind).max(0.0);
         // Neighbours share an end: the other end of the shorter one must be clear of the longer.
-        if along <= f64::EPSILON * around[e.ring] {
+        if along <= f64::EPSILON * self.around[e.ring] {
             let (short, long) = if length(e) <= length(f) { (e, f) } else { (f, e) };
             let far = short.ends.map(|p| to_segment(p, long.ends)).into_iter().fold(0.0, f64::max);
             return length(short) > ALONG * clearance && far < clearance;
         }
         along > ALONG * clearance && distance(e.ends, f.ends) < clearance
-    })
+    }
+}
+
+/// Whether edges that are not neighbours keep `clearance` from each other, and neighbours do not run
+/// back along each other that near.
+pub fn is_clear(border: &Border, uv: &[DVec2], clearance: f64) -> bool {
+    let edges = Edges::new(border, uv);
+    let edge = |i: u32| &edges.edges[i as usize];
+    !edges.sweep(clearance).any(|i, j| edges.are_near(edge(i), edge(j), clearance))
+}
+
+/// Pairs of edges that cross, or are nearer than [`is_clear`] lets them be.
+pub(super) fn contacts(border: &Border, uv: &[DVec2], clearance: f64) -> Vec<[Edge; 2]> {
+    let edges = Edges::new(border, uv);
+    let edge = |i: u32| &edges.edges[i as usize];
+    let touch = |i: u32, j: u32| {
+        let (e, f) = (edge(i), edge(j));
+        let neighbours = e.vertices[1] == f.vertices[0] || f.vertices[1] == e.vertices[0];
+        (!neighbours && segments_meet(e.ends, f.ends)) || edges.are_near(e, f, clearance)
+    };
+    let pairs = edges.sweep(clearance).pairs(touch);
+    pairs.into_iter().map(|(i, j)| [*edge(i), *edge(j)]).collect()
+}
+
+/// Vertices of a border, ascending, at which it crosses itself or is nearer to itself than [`is_clear`] lets it.
+pub fn touching(border: &Border, uv: &[DVec2], clearance: f64) -> Vec<u32> {
+    let pairs = contacts(border, uv, clearance);
+    let mut vertices: Vec<u32> = pairs.iter().flatten().flat_map(|edge| edge.vertices).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 /// Distance of two segments that do not cross.

@@ -8,11 +8,20 @@ use glam::{DMat2, DVec2};
 use super::jacobian::{symmetric_dirichlet, symmetric_dirichlet_gradient};
 use super::lscm::hat_gradients;
 use super::model::Model;
+use super::untangle::around_vertices;
 use super::{Disk, UvMap};
 use crate::contract::{Cancel, Canceled};
 
 /// Times that a step is halved before the vertex stays.
 const HALVINGS: u32 = 4;
+
+/// Energy of a face beyond which its surroundings are swept on.
+const STRAINED: f64 = 5.0;
+
+/// Times that it is looked for strained faces, the rings around them, and the sweeps over these.
+const ROUNDS: u32 = 12;
+const RINGS: u32 = 2;
+const SWEEPS: u32 = 4;
 
 /// The faces around each vertex.
 pub(super) struct Fans {
@@ -45,7 +54,7 @@ impl Fans {
     }
 }
 
-/// Sweep over all vertices. A map without flips stays without; others are improved where they can be. The
+/// Sweep over all vertices, and on about faces that are strained. A map without flips stays without; others are improved where they can be. The
 /// map is taken as it is scaled.
 pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result<UvMap, Canceled> {
     let fans = Fans::of(disk);
@@ -55,6 +64,23 @@ pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result
         for i in 0..uv.len() {
             let v = if sweep % 2 == 0 { i } else { uv.len() - 1 - i };
             step(disk, &mut uv, v, fans.at(v));
+        }
+    }
+    for _ in 0..ROUNDS {
+        cancel.check()?;
+        let strained: Vec<u32> = (0..disk.triangles.len())
+            .filter(|&f| disk.areas[f] > 0.0)
+            .filter(|&f| symmetric_dirichlet(disk.jacobian(f, &uv)) > STRAINED)
+            .flat_map(|f| disk.triangles[f])
+            .collect();
+        if strained.is_empty() {
+            break;
+        }
+        let around = around_vertices(disk, &fans, &strained, RINGS);
+        for _ in 0..SWEEPS {
+            for &(v, _) in &around {
+                step(disk, &mut uv, v as usize, fans.at(v as usize));
+            }
         }
     }
     Ok(uv)

@@ -69,7 +69,7 @@ pub fn untrained(charts: Vec<Chart>) -> Vec<Mapped> {
     charts.into_iter().map(Mapped::from_cut).collect()
 }
 
-/// Train the charts that pay best, polish all.
+/// Train what is to be trained, polish all.
 pub fn trained(
     found: &Found,
     solvers: &Solvers,
@@ -150,7 +150,8 @@ fn polish(
         return Ok(Mapped::from_cut(chart));
     }
     // What was carried over is polished already.
-    if chart.start_kind == StartKind::Prolonged && net.is_none() {
+    let prolonged = chart.start_kind == StartKind::Prolonged;
+    if prolonged && net.is_none() {
         return Ok(Mapped::from_cut(chart));
     }
     let disk = &chart.disk;
@@ -169,8 +170,18 @@ fn polish(
     };
     let baseline = descend(disk, from, run)?;
     let mut ways = vec![(energy(&baseline), ChartForm::Start, baseline)];
-    let mut gain =
-        NeuralGain { start: Some(start.mean), start_polish: Some(ways[0].0), ..Default::default() };
+    let mut gain = NeuralGain::default();
+    let own = (Some(start.mean), Some(ways[0].0));
+    if prolonged {
+        // The classical start is the third way.
+        (gain.prolonged, gain.prolonged_polish) = own;
+        let classical = flatten::rescale(disk, flatten::start_map(disk).0);
+        let polished = descend(disk, &classical, run)?;
+        (gain.start, gain.start_polish) = (Some(energy(&classical)), Some(energy(&polished)));
+        ways.push((energy(&polished) + MARGIN, ChartForm::Start, polished));
+    } else {
+        (gain.start, gain.start_polish) = own;
+    }
     let (mut steps, mut chamfer) = (0, None);
     if let Some(net) = net {
         (steps, chamfer) = (net.steps, net.chamfer);

@@ -5,6 +5,7 @@
 //! A stage is a function of its inputs, the options and the [`Run`] (which holds clock, cancellation,
 //! budget and progress) that returns its output whole.
 
+mod arms;
 mod certify;
 mod charting;
 mod choice;
@@ -32,6 +33,7 @@ mod sheets;
 mod summary;
 
 pub use crate::segmentation::Weights;
+pub use arms::{Arms, arms};
 pub use effort::required_bytes;
 pub use engine::Engine;
 pub use error::{Cause, UnwrapError};

@@ -1,38 +1,21 @@
-//! Which charts are trained, and what their networks are told (docs/method.md, section 5).
-//!
-//! Training takes at most [`SHARE`] of a job's expected time. That time is counted from the work
-//! (faces), never from the clock, so that the same input gives the same result.
+//! Which charts are trained, and what their networks are told (docs/method.md, section 5): all that bend with
+//! `quality = best`, and none below. Of the charts that were ever measured none gained by it enough to pay for
+//! itself (docs/results.md).
 
 use glam::{DVec2, DVec3};
 
 use super::parts::{Found, Solvers};
 use crate::charts::boundary::BoundaryFeatures;
-use crate::charts::{Chart, ChartShape, StartKind};
+use crate::charts::{Chart, ChartShape};
 use crate::contract::{GaveUp, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::flatten::{self, Disk};
 use crate::mesh::Surface;
 use crate::parameterization::losses::CylinderTarget;
 use crate::parameterization::{self, TrainChart, TrainOptions};
 
-/// Share of a job's expected time that training may take with `quality = balanced`.
-const SHARE: f64 = 0.35;
-/// Expected seconds of a job, apart from its faces.
-const JOB_S: f64 = 0.5;
-/// Expected seconds of a job for each face, up to [`JOB_FACES`].
-const FACE_S: f64 = 1.0e-4;
-/// Faces beyond this do not buy more training.
-const JOB_FACES: usize = 30_000;
-/// Seconds of one training step of one chart, for each point and unit of width (measured: 8 charts
-/// of 512 points and width 64 in 25 ms).
-const STEP_S: f64 = 0.025 / (8.0 * 512.0 * 64.0);
-
-/// A chart of fewer points costs as much as one of this many: there is work to do for each chart
-/// (measured: 0.8 ms a step for charts of 20 to 40 points).
-const LEAST_POINTS: usize = 128;
-
 /// Which charts to train, best first. Charts whose start is isometric are never among them.
 pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize> {
-    if options.quality == Quality::Fast {
+    if options.quality != Quality::Best {
         return Vec::new();
     }
     let fits = |chart: &Chart| {
@@ -42,11 +25,7 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize
     };
     // Expected gain: what distortion there is, times the area that has it.
     let mut ranked: Vec<(f64, usize)> = Vec::new();
-    // What was carried over from a proxy is large and polished already.
-    let pays = |chart: &Chart| {
-        chart.start_kind != StartKind::Prolonged || options.quality == Quality::Best
-    };
-    for (i, chart) in charts.iter().enumerate().filter(|(_, chart)| pays(chart)) {
+    for (i, chart) in charts.iter().enumerate() {
         let quality = flatten::quality(&chart.disk, &chart.start);
         if !quality.is_isometric() {
             if fits(chart) {
@@ -57,23 +36,7 @@ pub fn choose(charts: &[Chart], options: &UnwrapOptions, run: &Run) -> Vec<usize
         }
     }
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    if options.quality == Quality::Best {
-        return ranked.into_iter().map(|(_, i)| i).collect();
-    }
-    let faces: usize = charts.iter().map(|c| c.faces.len()).sum();
-    let expected = JOB_S + FACE_S * faces.min(JOB_FACES) as f64;
-    let mut allowance = expected * SHARE / (1.0 - SHARE);
-    let mut chosen = Vec::new();
-    for (_, i) in ranked {
-        let points = charts[i].disk.positions.len().min(options.points as usize).max(LEAST_POINTS);
-        let cost = STEP_S * f64::from(options.steps) * (points as f64) * f64::from(options.width);
-        // The best-paying chart is trained whatever it costs: the cap is for the others.
-        if cost <= allowance || chosen.is_empty() {
-            allowance -= cost;
-            chosen.push(i);
-        }
-    }
-    chosen
+    ranked.into_iter().map(|(_, i)| i).collect()
 }
 
 /// What the networks of the chosen charts are told.
@@ -164,6 +127,7 @@ fn creased_vertices(surface: &Surface) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::charts::StartKind;
     use crate::contract::{Budget, Cancel, Degradation};
     use crate::flatten::samples;
     use crate::pipeline::scenes;
@@ -185,8 +149,8 @@ mod tests {
         }
     }
 
-    fn chosen(charts: &[Chart], quality: Quality, steps: u32) -> Vec<usize> {
-        let options = UnwrapOptions { quality, steps, ..Default::default() };
+    fn chosen(charts: &[Chart], quality: Quality) -> Vec<usize> {
+        let options = UnwrapOptions { quality, ..Default::default() };
         choose(charts, &options, &Run::quiet())
     }
 
@@ -194,25 +158,11 @@ mod tests {
     fn the_best_paying_charts_come_first_and_flat_ones_never() {
         // As bent as another but smaller, flat, as large as another but bent less, bent most.
         let charts = [bump(0.5, 0.1), bump(9.0, 0.0), bump(1.0, 0.05), bump(1.0, 0.1)];
-        assert_eq!(chosen(&charts, Quality::Best, 200), [3, 0, 2]);
-        assert!(chosen(&charts, Quality::Fast, 200).is_empty());
-        assert!(chosen(&charts[1..2], Quality::Best, 200).is_empty());
-    }
-
-    #[test]
-    fn a_balanced_job_trains_what_its_allowance_pays() {
-        let charts: Vec<Chart> = (0..6).map(|k| bump(1.0 - 0.1 * f64::from(k), 0.1)).collect();
-        let counts = [1, 60, 100, 100_000].map(|steps| {
-            let chosen = chosen(&charts, Quality::Balanced, steps);
-            assert!(chosen.iter().enumerate().all(|(i, &c)| i == c), "a smaller one went first");
-            chosen.len()
-        });
-        assert_eq!((counts[0], counts[3]), (6, 1), "all, and the best whatever it costs");
-        assert!(counts[1] < 6 && counts[1] > counts[2] && counts[2] > 1, "{counts:?}");
-        // More faces buy more training.
-        let mut more = charts.clone();
-        more.extend((0..40).map(|_| bump(9.0, 0.0)));
-        assert!(chosen(&more, Quality::Balanced, 100).len() > counts[2]);
+        assert_eq!(chosen(&charts, Quality::Best), [3, 0, 2]);
+        assert!(chosen(&charts[1..2], Quality::Best).is_empty());
+        for quality in [Quality::Fast, Quality::Balanced] {
+            assert!(chosen(&charts, quality).is_empty());
+        }
     }
 
     #[test]

@@ -30,7 +30,7 @@ fn unwrap_within(
 
 /// A ball of 2 · 120 · 100 triangles, as OBJ.
 fn ball() -> String {
-    let (across, up) = (120, 100);
+    let (across, up) = (180, 110);
     let mut text = String::new();
     for j in 0..=up {
         for i in 0..across {
@@ -129,7 +129,7 @@ fn the_fraction_of_a_job_never_falls_and_every_stage_moves_it() {
         }
     }
     assert_eq!(last, (1.0, parts));
-    for stage in [Stage::Segment, Stage::Charts, Stage::Train, Stage::Pack, Stage::Preview] {
+    for stage in [Stage::Segment, Stage::Charts, Stage::Polish, Stage::Pack, Stage::Preview] {
         assert!(moved.contains(&stage), "{stage:?} is not among {moved:?}");
     }
 }

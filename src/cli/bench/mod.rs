@@ -1,6 +1,7 @@
 //! `uvsegnet bench`: how good the results are on a folder of meshes, whether they are the same bytes
 //! every time, and what they look like.
 
+mod arms;
 mod determinism;
 mod files;
 mod names;
@@ -11,6 +12,7 @@ mod progress;
 mod quality;
 mod row;
 mod same;
+mod scale;
 mod segmentation;
 mod sheet;
 mod stages;
@@ -40,6 +42,9 @@ enum What {
     /// Unwrap objects with this program and with another build of it, with one thread and with two, and
     /// compare every file.
     Same(same::Args),
+    /// Unwrap bodies of the program's own from 5,000 to 2,000,000 triangles, smooth and noisy, of one piece and
+    /// of many: seconds of each stage, memory, charts, seams, and how they grow.
+    Scale(scale::Args),
     /// Find the parts of labelled objects, by each source alone and by all together, and compare them with
     /// the labels.
     Segmentation(segmentation::Args),
@@ -57,6 +62,7 @@ pub fn run(args: Args) -> Result<()> {
         What::Names(args) => names::run(args),
         What::Progress(args) => progress::run(args),
         What::Same(args) => same::run(args),
+        What::Scale(args) => scale::run(args),
         What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),
         What::Stages(args) => stages::run(args),

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use super::arms;
 use super::files::Shard;
 use super::object::{self, Plan};
 use super::options::BenchOptions;
@@ -37,6 +38,10 @@ pub struct Args {
     /// Do not unwrap an object again: at the peer's distortion, and along given labels.
     #[arg(long)]
     pub single: bool,
+    /// Cut each object once and map its charts every way that there is: carried over from the proxy, by a
+    /// network, from the classical start, each polished. Tells which is best, instead of the usual figures.
+    #[arg(long)]
+    pub arms: bool,
     /// An independent measure of the results, run as COMMAND MODEL.glb --original INPUT --json FILE;
     /// what it writes to FILE becomes `independent` in the object's line.
     #[arg(long)]
@@ -71,6 +76,9 @@ pub fn run(args: Args) -> Result<()> {
         .append(true)
         .open(&args.output)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
+    if args.arms {
+        return arms::run(shard, args.limit, &args.bench.options, &engine, lines);
+    }
     let named = |path: &Path| path.strip_prefix(&args.dir).unwrap_or(path).display().to_string();
     let open = shard.filter(|path| !done.contains(&named(path)));
     for path in open.take(args.limit.unwrap_or(usize::MAX)) {

@@ -9,7 +9,7 @@ mod features;
 mod place;
 mod quadric;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -32,9 +32,34 @@ pub struct ProxySize {
 
 impl Default for ProxySize {
     fn default() -> Self {
-        Self { dense: 100_000, coarse: 8_000 }
+        Self { dense: 12_000, coarse: 8_000 }
     }
 }
+
+/// Faces of a rough component for each of its proxy at least, so that noise of single edges is gone.
+const FEWER: usize = 6;
+
+/// A component is rough where half of its edges bend by more than the angle of this 1 − cos (8°).
+const ROUGH: f64 = 0.01;
+
+/// Whether most edges of a component bend, as noise bends them: smooth shapes and flat ones do not.
+fn is_rough(surface: &Surface, faces: &[u32]) -> bool {
+    let bend = |h: u32| {
+        let t = surface.twin[h as usize];
+        let normal = |h: u32| surface.normals[h as usize / 3];
+        (t != NONE && t > h).then(|| 1.0 - normal(h).dot(normal(t)))
+    };
+    let mut bends: Vec<f64> =
+        faces.iter().flat_map(|&f| 3 * f..3 * f + 3).filter_map(bend).collect();
+    let half = bends.len() / 2;
+    half > 0 && *bends.select_nth_unstable_by(half, f64::total_cmp).1 > ROUGH
+}
+
+/// Faces that a proxy has at least for each hole and handle.
+const FACES_A_HOLE: i64 = 150;
+
+/// A component stays as it is where more than so many times the faces of a proxy are left.
+const REACHED: f64 = 1.5;
 
 /// The edge is a seam of the file's own texture coordinates.
 const EXISTING: u8 = 2;
@@ -71,6 +96,14 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     }
     let features = features(surface);
     let (positions, corners) = surface.sheets();
+    // Lace has no coarse form: too few faces would be left for each of its holes.
+    components.retain(|_, faces| {
+        let holes = 2 - euler(surface, faces, &corners);
+        holes * FACES_A_HOLE <= size.coarse as i64
+    });
+    if components.is_empty() {
+        return Ok(None);
+    }
     // Of two sheets that lie on each other the second copies the first.
     let copies = |faces: &[u32]| {
         let mate = surface.sheet_mate[faces[0] as usize];
@@ -81,17 +114,42 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     let dense: Result<Vec<Dense>, Canceled> = sources
         .into_par_iter()
         .map(|faces| {
-            Dense::new(surface, faces, (&positions, &corners), &features, size.coarse, run)
+            let coarse = match is_rough(surface, &faces) {
+                true => size.coarse.min(faces.len() / FEWER),
+                false => size.coarse,
+            };
+            Dense::new(surface, faces, (&positions, &corners), &features, coarse, run)
         })
         .collect();
+    // What could not be collapsed stays as it is.
+    let reached = |dense: &Dense| {
+        let left = dense.collapsed.alive.iter().filter(|alive| **alive).count();
+        left as f64 <= REACHED * size.coarse as f64
+    };
+    let dense: Vec<Dense> = dense?.into_iter().filter(reached).collect();
+    if dense.is_empty() {
+        return Ok(None);
+    }
+    let of: BTreeSet<u32> = dense.iter().map(|dense| roots[dense.faces[0] as usize]).collect();
     let mut builder = Builder::new(surface, positions, corners, features);
-    for dense in dense? {
+    for dense in dense {
         builder.put(&dense);
     }
-    for faces in copies {
-        builder.copy(&faces);
+    let mate = |faces: &Vec<u32>| roots[surface.sheet_mate[faces[0] as usize] as usize];
+    for faces in copies.iter().filter(|faces| of.contains(&mate(faces))) {
+        builder.copy(faces);
     }
     Ok(Some(builder.finish()))
+}
+
+/// Euler characteristic of a component.
+fn euler(surface: &Surface, faces: &[u32], corners: &[[u32; 3]]) -> i64 {
+    let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| corners[f as usize]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let half_edges = faces.iter().flat_map(|&f| 3 * f..3 * f + 3);
+    let once = |&h: &u32| surface.twin[h as usize] == NONE || surface.twin[h as usize] > h;
+    vertices.len() as i64 - half_edges.filter(once).count() as i64 + faces.len() as i64
 }
 
 /// Whether every face has its mate on one other component, and neighbours have neighbours.

@@ -107,3 +107,36 @@ fn the_same_at_any_number_of_threads() {
     assert_eq!(one.surface.positions, three.surface.positions);
     assert_eq!((one.face, one.places), (three.face, three.places));
 }
+
+#[test]
+fn lace_and_what_cannot_be_collapsed_stay_as_they_are() {
+    let fine = wavy(120, false);
+    let faces = |keep: &dyn Fn(u32) -> bool| -> Vec<[u32; 3]> {
+        (0u32..).zip(&fine.triangles).filter(|(f, _)| keep(*f)).map(|(_, t)| *t).collect()
+    };
+    let made = |triangles: Vec<[u32; 3]>, labels: Option<Vec<i32>>| {
+        let scene = Scene { labels, ..Scene::from_triangles(fine.positions.clone(), triangles) };
+        let fine = condition(&scene, &Run::quiet()).unwrap();
+        proxy(&fine, SIZE, &Run::quiet()).unwrap()
+    };
+    // Every tenth cell both ways is a hole, 144 in all; then two only.
+    let cell = |f: u32| (f / 2 % 120, f / 240);
+    let lace = faces(&|f| cell(f).0 % 10 != 5 || cell(f).1 % 10 != 5);
+    assert!(made(lace, None).is_none());
+    assert!(made(faces(&|f| ![777, 20_777].contains(&(f / 2))), None).is_some());
+    // A label a face leaves nothing that may go.
+    let all = faces(&|_| true);
+    let labels = (0..all.len() as i32).collect();
+    assert!(made(all, Some(labels)).is_none());
+}
+
+#[test]
+fn a_rough_sheet_gets_a_coarser_proxy() {
+    let fine = wavy(120, false);
+    let mut random = crate::device::Seeded::new(3, 0);
+    let shaken = fine.positions.iter().map(|p| *p + DVec3::Z * 0.004 * random.unit_f64());
+    let scene = Scene::from_triangles(shaken.collect(), fine.triangles.clone());
+    let rough = condition(&scene, &Run::quiet()).unwrap();
+    let left = |surface| proxy(surface, SIZE, &Run::quiet()).unwrap().unwrap().surface.face_count();
+    assert!(left(&rough) <= 4_800 && left(&fine) > 7_990);
+}

@@ -1,0 +1,133 @@
+//! The proxy's map of a piece of a fine chart: carried over the record (prolongation), continued beyond the
+//! chart's proxy, mended, relaxed, parted where it overlaps itself, and proved.
+
+use glam::DVec2;
+
+use super::refine::Refiner;
+use crate::charts::{self, Chart, PartMesh, Piece, StartKind};
+use crate::contract::Canceled;
+use crate::flatten::{self, Border, Disk, UvMap};
+use crate::mesh::Place;
+
+/// Energy that noise and roughness, which the proxy has not, may add to its map's.
+const NOISE: f64 = 0.04;
+
+/// Distance that parts of a border which were pushed apart have, in mean edges of the border.
+const GAP: f64 = 0.02;
+
+/// An edge that is carried over with more than this stretch crosses a cut.
+const STRETCH: f64 = 6.0;
+
+/// Sweeps over the vertices of a map that was carried over.
+const SWEEPS: u32 = 8;
+
+/// Mean edge of a border.
+fn border_edge(border: &Border, uv: &UvMap) -> f64 {
+    let (mut length, mut count) = (0.0, 0.0);
+    for ring in &border.loops {
+        for (k, &v) in ring.iter().enumerate() {
+            length += uv[v as usize].distance(uv[ring[(k + 1) % ring.len()] as usize]);
+            count += 1.0;
+        }
+    }
+    length / f64::max(count, 1.0)
+}
+
+impl Refiner<'_> {
+    /// The chart of a piece with a map that is proved; else the faces of the surface, ascending, at which it
+    /// fails. `classical`: whether the classical start is tried, too.
+    pub fn mapped(
+        &self,
+        chart: &Chart,
+        coarse: &UvMap,
+        mesh: &PartMesh,
+        piece: Piece,
+        classical: bool,
+    ) -> Result<Result<Chart, Vec<u32>>, Canceled> {
+        let Piece { faces, disk, vertices } = piece;
+        let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
+        let border = Border::of(&disk);
+        // The cut may have been made with a higher bound, for `max_charts`.
+        let reached = flatten::quality(&chart.disk, coarse).mean - 1.0;
+        let most = self.options.distortion_bound.max(reached) + NOISE;
+        let fits = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0 <= most;
+        let proved = |uv: &UvMap| fits(uv) && charts::is_sound(&disk, uv, self.clearance);
+        let mut trouble: Vec<u32> = Vec::new();
+        let mut found = None;
+        if let Some(carried) = flatten::extend(&disk, self.prolonged(chart, coarse, &faces, &disk))
+        {
+            match flatten::untangle(&disk, carried) {
+                Err(flipped) => trouble = flipped.iter().map(|&f| faces[f as usize]).collect(),
+                Ok(mended) => {
+                    let uv = flatten::relax(&disk, mended, SWEEPS, &self.run.cancel)?;
+                    if proved(&uv) {
+                        found = Some((uv, StartKind::Prolonged));
+                    } else if fits(&uv) {
+                        let at = flatten::touching(&border, &uv, self.clearance);
+                        let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
+                        let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
+                        trouble = own.map(|(&f, _)| f).collect();
+                        let gap = (GAP * border_edge(&border, &uv)).max(2.0 * self.clearance);
+                        let uv = flatten::separate(&disk, uv, &border, gap).filter(proved);
+                        found = uv.map(|uv| (uv, StartKind::Prolonged));
+                    }
+                }
+            }
+        }
+        if found.is_none() && classical {
+            let (start, kind) = flatten::start_map(&disk);
+            let relaxed = flatten::relax(&disk, start.clone(), SWEEPS, &self.run.cancel)?;
+            found = [relaxed, start].into_iter().find(proved).map(|uv| (uv, kind.into()));
+        }
+        let made = |(uv, start_kind): (UvMap, StartKind)| {
+            let uv = flatten::rescale(&disk, uv);
+            Chart {
+                part: chart.part,
+                shape: chart.shape.clone(),
+                start: uv.clone(),
+                cut_map: uv,
+                start_kind,
+                faces,
+                vertices,
+                disk: disk.clone(),
+            }
+        };
+        Ok(found.map(made).ok_or(trouble))
+    }
+
+    /// The map carried over: each vertex where it lies in its proxy face, NaN beyond the chart's proxy.
+    fn prolonged(&self, chart: &Chart, coarse: &UvMap, faces: &[u32], disk: &Disk) -> UvMap {
+        let mut uv = vec![DVec2::NAN; disk.positions.len()];
+        let corners = |face: u32| {
+            let at = chart.faces.binary_search(&face).ok()?;
+            Some(chart.disk.triangles[at].map(|v| coarse[v as usize]))
+        };
+        // Where a face around a vertex is parted from its place, that lies on the other side of a cut.
+        let mut across = vec![false; uv.len()];
+        for (&f, triangle) in faces.iter().zip(&disk.triangles) {
+            let label = self.labels[f as usize];
+            for (k, &v) in triangle.iter().enumerate() {
+                let Place { face, weights } =
+                    self.proxy.places[self.proxy.corners[f as usize][k] as usize];
+                match corners(face).filter(|_| self.fits(label, face)) {
+                    Some(c) => {
+                        uv[v as usize] = c.iter().zip(weights).map(|(p, w)| *p * f64::from(w)).sum()
+                    }
+                    None => across[v as usize] = true,
+                }
+            }
+        }
+        let scale = flatten::scale(&chart.disk, coarse);
+        for triangle in &disk.triangles {
+            for k in 0..3 {
+                let [a, b] = [k, (k + 1) % 3].map(|k| triangle[k] as usize);
+                let length = disk.positions[a].distance(disk.positions[b]);
+                if uv[a].distance(uv[b]) > STRETCH * scale * length {
+                    (across[a], across[b]) = (true, true);
+                }
+            }
+        }
+        uv.iter_mut().zip(across).filter(|(_, across)| *across).for_each(|(p, _)| *p = DVec2::NAN);
+        uv
+    }
+}
