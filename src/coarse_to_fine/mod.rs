@@ -6,6 +6,7 @@ mod divide;
 mod pieces;
 mod prolong;
 mod refine;
+mod tidy;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -51,8 +52,8 @@ fn settle<S: Seams>(band: &mut Band<S>, fine: &Surface) {
 }
 
 /// Charts of the proxy carried to the fine surface. `parts`: part of each fine face, [`NONE`] for those that
-/// get no chart, and of each of the proxy's. Every other fine face gets one, of its part where there is one. A chart that cannot be carried is
-/// divided on the proxy, [`DIVIDED`] times at most, and then on the fine surface.
+/// get no chart, and of each of the proxy's. Every other fine face gets one, of its part where there is one. A
+/// chart that cannot be carried is divided on the proxy, [`DIVIDED`] times at most, and then on the fine surface.
 pub fn charts(
     fine: &Surface,
     proxy: &Proxy,
@@ -68,18 +69,8 @@ pub fn charts(
         let late = round > 0 && run.skips(Stage::Charts, GaveUp::Joining);
         let carrier = Carrier { fine, proxy, options, run, last: late || round == DIVIDED };
         let parts_now = [&parts[0][..], &parts[1]];
-        let mut carried = carrier.carry(&waiting, parts_now, &Change::default(), None)?;
-        // Where that failed: once more with borders as the proxy has them, or that give way, or without what is
-        // in the way.
-        for change in [Change::held(fine, &carried), Change::given(&carried), Change::peeled()] {
-            if carried.failed.is_empty() || late {
-                break;
-            }
-            let again = carrier.carry(&waiting, parts_now, &change, Some(&carried))?;
-            if again.failed.len() < carried.failed.len() {
-                carried = again;
-            }
-        }
+        let first = carrier.carry(&waiting, parts_now, &Change::default(), None)?;
+        let carried = if late { first } else { carrier.tried_on(&waiting, parts_now, first)? };
         let (done, failed) = (carried.refined.into_iter().flatten().flatten(), carried.failed);
         let chart_of = carried.chart_of;
         let mut trouble: Vec<u32> =
@@ -128,7 +119,7 @@ struct Change {
 
 impl Change {
     fn held(fine: &Surface, carried: &Carried) -> Self {
-        Self { held: near(fine, &carried.trouble, HELD), ..Self::default() }
+        Self { held: near(&fine.twin, carried.trouble.clone(), HELD), ..Self::default() }
     }
     fn given(carried: &Carried) -> Self {
         // Only where little is in the way.
@@ -163,6 +154,31 @@ struct Carried {
 }
 
 impl Carrier<'_> {
+    /// Where charts failed: once more with borders as the proxy has them, or that give way, or without what is in
+    /// the way.
+    fn tried_on(
+        &self,
+        coarse: &[Chart],
+        parts: [&[u32]; 2],
+        first: Carried,
+    ) -> Result<Carried, Canceled> {
+        if first.failed.is_empty() {
+            return Ok(first);
+        }
+        let changes = [Change::held(self.fine, &first), Change::given(&first), Change::peeled()];
+        let mut carried = first;
+        for change in changes {
+            let again = self.carry(coarse, parts, &change, Some(&carried))?;
+            if again.failed.len() < carried.failed.len() {
+                carried = again;
+            }
+            if carried.failed.is_empty() {
+                break;
+            }
+        }
+        Ok(carried)
+    }
+
     /// What is as it was `before` is not carried again.
     fn carry(
         &self,
@@ -236,14 +252,14 @@ impl Carrier<'_> {
     }
 }
 
-/// Faces within so many rings of others.
-fn near(fine: &Surface, of: &[u32], rings: u32) -> Vec<bool> {
-    let mut near = vec![false; fine.face_count()];
-    let mut ring: Vec<u32> = of.to_vec();
+/// Which faces lie within so many rings of others. `twin`: the half-edge across each, or [`NONE`].
+fn near(twin: &[u32], of: Vec<u32>, rings: u32) -> Vec<bool> {
+    let mut near = vec![false; twin.len() / 3];
     of.iter().for_each(|&f| near[f as usize] = true);
+    let mut ring = of;
     for _ in 0..rings {
         for f in std::mem::take(&mut ring) {
-            for t in (3 * f..3 * f + 3).map(|h| fine.twin[h as usize]).filter(|&t| t != NONE) {
+            for t in (3 * f..3 * f + 3).map(|h| twin[h as usize]).filter(|&t| t != NONE) {
                 if !std::mem::replace(&mut near[t as usize / 3], true) {
                     ring.push(t / 3);
                 }

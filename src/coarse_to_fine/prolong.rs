@@ -3,8 +3,8 @@
 
 use glam::DVec2;
 
-use super::refine::Refiner;
-use crate::charts::{self, Chart, PartMesh, Piece, StartKind};
+use super::refine::{Counterpart, Refiner};
+use crate::charts::{self, Chart, Piece, StartKind};
 use crate::contract::Canceled;
 use crate::flatten::{self, Border, Disk, UvMap};
 use crate::mesh::Place;
@@ -38,12 +38,11 @@ impl Refiner<'_> {
     /// fails. `classical`: whether the classical start is tried, too.
     pub fn mapped(
         &self,
-        chart: &Chart,
-        coarse: &UvMap,
-        mesh: &PartMesh,
+        part: &Counterpart,
         piece: Piece,
         classical: bool,
     ) -> Result<Result<Chart, Vec<u32>>, Canceled> {
+        let Counterpart { chart, coarse, mesh, .. } = part;
         let Piece { faces, disk, vertices } = piece;
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         let border = Border::of(&disk);

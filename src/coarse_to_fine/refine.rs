@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
-use super::IN_WAY;
 use super::pieces::{Pieces, Seams};
+use super::{IN_WAY, near};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece};
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
@@ -36,17 +36,17 @@ pub struct Refiner<'a> {
     pub run: &'a Run,
 }
 
-/// Which faces lie within [`CLOSED`] rings of faces of the surface.
-fn around(mesh: &PartMesh, of: &[u32]) -> Vec<bool> {
-    let mut near: Vec<bool> = mesh.faces.iter().map(|f| of.binary_search(f).is_ok()).collect();
-    for _ in 0..CLOSED {
-        let ring: Vec<usize> = (0..mesh.twin.len())
-            .filter(|&h| near[h / 3] && mesh.twin[h] != NONE)
-            .map(|h| mesh.twin[h] as usize / 3)
-            .collect();
-        ring.into_iter().for_each(|f| near[f] = true);
-    }
-    near
+/// A chart of the proxy, and the fine faces that carry its label.
+pub struct Counterpart<'a> {
+    pub chart: &'a Chart,
+    /// The chart's map, polished.
+    pub coarse: UvMap,
+    /// The fine faces.
+    pub mesh: PartMesh<'a>,
+    /// Whether each half-edge is closed, as it is on the proxy.
+    glued: Vec<bool>,
+    /// Whether the sides of each half-edge come to touch that do not on the proxy.
+    apart: Vec<bool>,
 }
 
 impl Refiner<'_> {
@@ -64,11 +64,44 @@ impl Refiner<'_> {
             return Ok(Ok(vec![self.as_it_is(chart)]));
         }
         let last = last || chart.faces.len() == 1;
-        let whole = faces.len();
+        let part = self.counterpart(chart, faces)?;
+        let all: Vec<u32> = (0..part.mesh.len() as u32).collect();
+        let mut charts = Vec::new();
+        for faces in part.mesh.components(&all, |h| part.glued[h as usize]) {
+            self.run.cancel.check()?;
+            let mut mapped = self.mapped(&part, self.opened(&part, &faces, &part.glued), last)?;
+            if let Err(trouble) = &mapped
+                && let Some(made) = self.closed(&part, &faces, trouble)?
+            {
+                mapped = Ok(made);
+            }
+            let trouble = match mapped {
+                Ok(made) => {
+                    let whole = faces.len() == all.len();
+                    let shape = if whole { made.shape } else { ChartShape::General };
+                    charts.push(Chart { shape, ..made });
+                    continue;
+                }
+                Err(trouble) => trouble,
+            };
+            let peeled = if peel || last { self.peeled(&part, &faces, &trouble)? } else { None };
+            match peeled {
+                Some(made) => charts.extend(made),
+                None if last => charts.extend(self.split(&part, &faces)?),
+                None => return Ok(Err(trouble)),
+            }
+        }
+        Ok(Ok(charts))
+    }
+
+    fn counterpart<'a>(
+        &'a self,
+        chart: &'a Chart,
+        faces: Vec<u32>,
+    ) -> Result<Counterpart<'a>, Canceled> {
         let options = SlimOptions { iterations: STEPS, keep_simple: true, ..Default::default() };
         let coarse = flatten::slim(&chart.disk, &chart.cut_map, &options, &self.run.cancel)?;
         let mesh = PartMesh::new(self.fine, faces);
-        let all: Vec<u32> = (0..mesh.len() as u32).collect();
         let label = |h: u32| self.labels[mesh.faces[h as usize / 3] as usize];
         let glued = |h: u32| {
             let t = mesh.twin[h as usize];
@@ -91,95 +124,71 @@ impl Refiner<'_> {
         let inner = |h: u32| mesh.twin[h as usize] != NONE;
         let apart: Vec<bool> = half_edges.clone().map(|h| inner(h) && apart(h)).collect();
         let glued: Vec<bool> = half_edges.map(|h| glued(h) && !apart[h as usize]).collect();
-        let mut charts = Vec::new();
-        for faces in mesh.components(&all, |h| glued[h as usize]) {
-            self.run.cancel.check()?;
-            let piece = self.opened(chart, &mesh, faces.clone(), &glued);
-            let mut mapped = self.mapped(chart, &coarse, &mesh, piece, last)?;
-            if let Err(trouble) = &mapped {
-                // Without the cut that overlaps, where that is short.
-                let near = around(&mesh, trouble);
-                let closed = |h: u32| {
-                    let t = mesh.twin[h as usize];
-                    glued[h as usize]
-                        || (t != NONE
-                            && !apart[h as usize]
-                            && near[h as usize / 3]
-                            && near[t as usize / 3])
-                };
-                let closed: Vec<bool> = (0..glued.len() as u32).map(closed).collect();
-                if closed != glued
-                    && mesh.components(&faces, |h| closed[h as usize]) == [faces.clone()]
-                {
-                    let piece = self.opened(chart, &mesh, faces.clone(), &closed);
-                    if let Ok(made) = self.mapped(chart, &coarse, &mesh, piece, false)? {
-                        mapped = Ok(made);
-                    }
-                }
-            }
-            match mapped {
-                Ok(made) => {
-                    let shape = if faces.len() == whole { made.shape } else { ChartShape::General };
-                    charts.push(Chart { shape, ..made });
-                }
-                Err(trouble) => {
-                    let peeled = match peel || last {
-                        true => self.peeled(chart, &coarse, &mesh, &faces, &glued, &trouble)?,
-                        false => None,
-                    };
-                    match peeled {
-                        Some(made) => charts.extend(made),
-                        None if last => charts.extend(self.split(chart, &mesh, &faces)?),
-                        None => return Ok(Err(trouble)),
-                    }
-                }
-            }
+        Ok(Counterpart { chart, coarse, mesh, glued, apart })
+    }
+
+    /// A piece without the cut that overlaps, where that is short.
+    fn closed(
+        &self,
+        part: &Counterpart,
+        faces: &[u32],
+        trouble: &[u32],
+    ) -> Result<Option<Chart>, Canceled> {
+        let mesh = &part.mesh;
+        let at = (0..mesh.len() as u32)
+            .filter(|&f| trouble.binary_search(&mesh.faces[f as usize]).is_ok());
+        let near = near(&mesh.twin, at.collect(), CLOSED);
+        let inside = |h: usize| {
+            let t = mesh.twin[h];
+            t != NONE && !part.apart[h] && near[h / 3] && near[t as usize / 3]
+        };
+        let closed: Vec<bool> =
+            part.glued.iter().enumerate().map(|(h, &glued)| glued || inside(h)).collect();
+        let is_whole = || mesh.components(faces, |h| closed[h as usize]) == [faces];
+        if closed == part.glued || !is_whole() {
+            return Ok(None);
         }
-        Ok(Ok(charts))
+        Ok(self.mapped(part, self.opened(part, faces, &closed), false)?.ok())
     }
 
     /// A piece without the few faces that are in its way, and these as charts of their own.
     fn peeled(
         &self,
-        chart: &Chart,
-        coarse: &UvMap,
-        mesh: &PartMesh,
+        part: &Counterpart,
         faces: &[u32],
-        glued: &[bool],
         trouble: &[u32],
     ) -> Result<Option<Vec<Chart>>, Canceled> {
-        let in_way = |f: u32| trouble.binary_search(&mesh.faces[f as usize]).is_ok();
-        let rest: Vec<u32> = faces.iter().copied().filter(|&f| !in_way(f)).collect();
-        let among = |h: u32, way: bool| {
-            let t = mesh.twin[h as usize];
-            glued[h as usize] && in_way(h / 3) == way && in_way(t / 3) == way
+        let mesh = &part.mesh;
+        // Connected faces of some.
+        let components = |own: &dyn Fn(u32) -> bool| {
+            let faces: Vec<u32> = faces.iter().copied().filter(|&f| own(f)).collect();
+            mesh.components(&faces, |h| {
+                part.glued[h as usize] && own(h / 3) && own(mesh.twin[h as usize] / 3)
+            })
         };
-        let rest = mesh.components(&rest, |h| among(h, false));
+        let in_way = |f: u32| trouble.binary_search(&mesh.faces[f as usize]).is_ok();
+        let rest = components(&|f| !in_way(f));
         let Some(main) = rest.into_iter().max_by_key(Vec::len) else { return Ok(None) };
         if (main.len() as f64) < (1.0 - IN_WAY) * faces.len() as f64 {
             return Ok(None);
         }
-        let whole = |f: u32| main.binary_search(&f).is_ok();
-        let peeled: Vec<u32> = faces.iter().copied().filter(|&f| !whole(f)).collect();
-        let together =
-            |h: u32| glued[h as usize] && !whole(h / 3) && !whole(mesh.twin[h as usize] / 3);
-        let mut charts = Vec::new();
-        let peeled = mesh.components(&peeled, together);
-        for (i, faces) in std::iter::once(main.clone()).chain(peeled).enumerate() {
-            let piece = self.opened(chart, mesh, faces.clone(), glued);
-            match self.mapped(chart, coarse, mesh, piece, i > 0)? {
-                Ok(made) => charts.push(Chart { shape: ChartShape::General, ..made }),
-                Err(_) if i == 0 => return Ok(None),
-                Err(_) => charts.extend(self.split(chart, mesh, &faces)?),
+        let general = |made: Chart| Chart { shape: ChartShape::General, ..made };
+        let piece = self.opened(part, &main, &part.glued);
+        let Ok(made) = self.mapped(part, piece, false)? else { return Ok(None) };
+        let mut charts = vec![general(made)];
+        for faces in components(&|f| main.binary_search(&f).is_err()) {
+            match self.mapped(part, self.opened(part, &faces, &part.glued), true)? {
+                Ok(made) => charts.push(general(made)),
+                Err(_) => charts.extend(self.split(part, &faces)?),
             }
         }
         Ok(Some(charts))
     }
 
     /// Faces divided on the fine surface.
-    fn split(&self, chart: &Chart, mesh: &PartMesh, faces: &[u32]) -> Result<Vec<Chart>, Canceled> {
-        let faces = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
-        let failed = Chart { faces, part: chart.part, ..Chart::default() };
+    fn split(&self, part: &Counterpart, faces: &[u32]) -> Result<Vec<Chart>, Canceled> {
+        let faces = faces.iter().map(|&f| part.mesh.faces[f as usize]).collect();
+        let failed = Chart { faces, part: part.chart.part, ..Chart::default() };
         charts::split_chart(self.fine, &failed, self.options, self.run)
     }
 
@@ -227,14 +236,15 @@ impl Refiner<'_> {
     }
 
     /// Faces cut open as the proxy's chart is, or where noise has left a hole or a handle more, to a disk.
-    fn opened(&self, chart: &Chart, mesh: &PartMesh, faces: Vec<u32>, glued: &[bool]) -> Piece {
-        let piece = mesh.cut_open(faces.clone(), glued);
+    fn opened(&self, part: &Counterpart, faces: &[u32], glued: &[bool]) -> Piece {
+        let mesh = &part.mesh;
+        let piece = mesh.cut_open(faces.to_vec(), glued);
         let topology = |disk: &Disk| {
             let border = Border::of(disk);
             (border.loops.len(), border.euler)
         };
         let have = topology(&piece.disk);
-        if have == (1, 1) || have == topology(&chart.disk) {
+        if have == (1, 1) || have == topology(&part.chart.disk) {
             return piece;
         }
         let whole =
@@ -246,6 +256,6 @@ impl Refiner<'_> {
         });
         let all = (0..whole.len() as u32).collect();
         let Piece { disk, vertices, .. } = whole.cut_open(all, &opened);
-        Piece { faces, disk, vertices }
+        Piece { faces: faces.to_vec(), disk, vertices }
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::relax::Fans;
+use super::fans::Fans;
 use super::unfold::third_corner;
 use super::untangle::make_rigid;
 use super::{Disk, UvMap};

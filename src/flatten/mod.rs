@@ -8,6 +8,7 @@ mod clearance;
 mod disk;
 mod error;
 mod extend;
+mod fans;
 mod injective;
 mod jacobian;
 mod lscm;

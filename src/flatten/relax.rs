@@ -5,10 +5,10 @@
 
 use glam::{DMat2, DVec2};
 
+use super::fans::{Fans, shortened};
 use super::jacobian::{symmetric_dirichlet, symmetric_dirichlet_gradient};
 use super::lscm::hat_gradients;
 use super::model::Model;
-use super::untangle::around_vertices;
 use super::{Disk, UvMap};
 use crate::contract::{Cancel, Canceled};
 
@@ -23,39 +23,8 @@ const ROUNDS: u32 = 12;
 const RINGS: u32 = 2;
 const SWEEPS: u32 = 4;
 
-/// The faces around each vertex.
-pub(super) struct Fans {
-    starts: Vec<u32>,
-    /// Face and corner, 3 f + k.
-    corners: Vec<u32>,
-}
-
-impl Fans {
-    pub fn of(disk: &Disk) -> Self {
-        let mut starts = vec![0u32; disk.positions.len() + 1];
-        for &v in disk.triangles.iter().flatten() {
-            starts[v as usize + 1] += 1;
-        }
-        for v in 0..disk.positions.len() {
-            starts[v + 1] += starts[v];
-        }
-        let mut next = starts.clone();
-        let mut corners = vec![0; 3 * disk.triangles.len()];
-        for (i, &v) in disk.triangles.iter().flatten().enumerate() {
-            corners[next[v as usize] as usize] = i as u32;
-            next[v as usize] += 1;
-        }
-        Self { starts, corners }
-    }
-
-    /// Corners 3 f + k at a vertex.
-    pub fn at(&self, v: usize) -> &[u32] {
-        &self.corners[self.starts[v] as usize..self.starts[v + 1] as usize]
-    }
-}
-
-/// Sweep over all vertices, and on about faces that are strained. A map without flips stays without; others are improved where they can be. The
-/// map is taken as it is scaled.
+/// Sweep over all vertices, and on about faces that are strained. A map without flips stays without; others are
+/// improved where they can be. The map is taken as it is scaled.
 pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result<UvMap, Canceled> {
     let fans = Fans::of(disk);
     for sweep in 0..sweeps {
@@ -76,7 +45,7 @@ pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result
         if strained.is_empty() {
             break;
         }
-        let around = around_vertices(disk, &fans, &strained, RINGS);
+        let around = fans.around(disk, &strained, RINGS);
         for _ in 0..SWEEPS {
             for &(v, _) in &around {
                 step(disk, &mut uv, v as usize, fans.at(v as usize));
@@ -116,16 +85,7 @@ fn step(disk: &Disk, uv: &mut UvMap, v: usize, fan: &[u32]) {
     if !direction.is_finite() {
         return;
     }
-    let from = uv[v];
-    let mut length = 1.0;
-    for _ in 0..HALVINGS {
-        uv[v] = from + length * direction;
-        if energy(disk, uv, fan) < before {
-            return;
-        }
-        length *= 0.5;
-    }
-    uv[v] = from;
+    shortened(uv, v, direction, HALVINGS, |uv| energy(disk, uv, fan) < before);
 }
 
 #[cfg(test)]

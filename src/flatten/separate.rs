@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::clearance::{Edge, contacts};
-use super::relax::Fans;
-use super::untangle::{around_vertices, untangle};
+use super::fans::Fans;
+use super::untangle::untangle;
 use super::{Border, Disk, UvMap, count_flips};
 
 /// Rounds of shifting.
@@ -88,7 +88,7 @@ fn shares(disk: &Disk, fans: &Fans, edges: [&Edge; 2], rings: u32) -> BTreeMap<u
     let far = rings + 1;
     let mut ring: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
     for (k, edge) in edges.iter().enumerate() {
-        for (v, at) in around_vertices(disk, fans, &edge.vertices, rings) {
+        for (v, at) in fans.around(disk, &edge.vertices, rings) {
             ring.entry(v).or_insert([far; 2])[k] = at;
         }
     }

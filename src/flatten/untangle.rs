@@ -2,16 +2,14 @@
 //! where they are, in a patch about them, which grows. First each vertex in turn goes where its faces are most
 //! nearly rigid (Liu et al. 2008, "A local/global approach to mesh parameterization",
 //! doi:10.1111/j.1467-8659.2008.01290.x), which turns most flipped faces back. Then it takes Newton steps on a
-//! symmetric Dirichlet energy that is finite through flips: det J gives way to χ(det J) = (det J + √(det² J + ε²))/2, and ε
-//! falls with the worst flip (Garanzha et al. 2021, doi:10.1145/3450626.3459847; Escobar et al. 2003,
+//! symmetric Dirichlet energy that is finite through flips: det J gives way to χ(det J) = (det J + √(det² J +
+//! ε²))/2, and ε falls with the worst flip (Garanzha et al. 2021, doi:10.1145/3450626.3459847; Escobar et al. 2003,
 //! doi:10.1016/S0045-7825(02)00594-4).
-
-use std::collections::HashSet;
 
 use glam::{DMat2, DVec2};
 
+use super::fans::{Fans, shortened};
 use super::lscm::hat_gradients;
-use super::relax::Fans;
 use super::{Disk, UvMap, is_positive};
 
 /// Rings of faces about the flipped ones that a patch has at first …
@@ -130,16 +128,7 @@ fn step(disk: &Disk, uv: &mut UvMap, v: usize, fan: &[u32], epsilon: f64) {
                 + (outer(of_squares, of_det) + outer(of_det, of_squares)) * slope);
     }
     let direction = newton(hessian, gradient);
-    let from = uv[v];
-    let mut length = 1.0;
-    for _ in 0..HALVINGS {
-        uv[v] = from + length * direction;
-        if energy(disk, uv, fan, epsilon) < before {
-            return;
-        }
-        length *= 0.5;
-    }
-    uv[v] = from;
+    shortened(uv, v, direction, HALVINGS, |uv| energy(disk, uv, fan, epsilon) < before);
 }
 
 /// −H⁻¹ g with the eigenvalues of H made positive.
@@ -159,25 +148,7 @@ fn newton(hessian: DMat2, gradient: DVec2) -> DVec2 {
 /// Vertices within so many rings of faces.
 fn around(disk: &Disk, fans: &Fans, faces: &[u32], rings: u32) -> Vec<u32> {
     let corners: Vec<u32> = faces.iter().flat_map(|&f| disk.triangles[f as usize]).collect();
-    around_vertices(disk, fans, &corners, rings).into_iter().map(|(v, _)| v).collect()
-}
-
-/// Vertices within so many rings of others, with their ring, nearest first.
-pub(super) fn around_vertices(disk: &Disk, fans: &Fans, of: &[u32], rings: u32) -> Vec<(u32, u32)> {
-    let mut seen: HashSet<u32> = HashSet::new();
-    let mut patch: Vec<(u32, u32)> =
-        of.iter().filter(|&&v| seen.insert(v)).map(|&v| (v, 0)).collect();
-    let mut at = 0;
-    while at < patch.len() && patch[at].1 < rings {
-        let (v, ring) = patch[at];
-        at += 1;
-        for w in fans.at(v as usize).iter().flat_map(|&c| disk.triangles[c as usize / 3]) {
-            if seen.insert(w) {
-                patch.push((w, ring + 1));
-            }
-        }
-    }
-    patch
+    fans.around(disk, &corners, rings).into_iter().map(|(v, _)| v).collect()
 }
 
 /// Move a vertex to where its faces are nearest to the rotations that they are nearest to.

@@ -5,7 +5,6 @@
 //! A stage is a function of its inputs, the options and the [`Run`] (which holds clock, cancellation,
 //! budget and progress) that returns its output whole.
 
-mod arms;
 mod certify;
 mod charting;
 mod choice;
@@ -31,14 +30,15 @@ mod result;
 mod scenes;
 mod sheets;
 mod summary;
+mod ways;
 
 pub use crate::segmentation::Weights;
-pub use arms::{Arms, arms};
 pub use effort::required_bytes;
 pub use engine::Engine;
 pub use error::{Cause, UnwrapError};
 pub use input::{Input, InputFile};
 pub use result::{Artifact, Unwrapped};
+pub use ways::{Ways, ways};
 
 use crate::contract::{Limits, Progress, Run, Stage, StopAfter, UnwrapOptions, WarningCode};
 use crate::mesh::{self, Scene};

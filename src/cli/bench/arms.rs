@@ -12,7 +12,7 @@ use super::files::{guarded, stem};
 use crate::cli::input::{Beside, Files};
 use crate::contract::{Limits, NeuralGain, Run, UnwrapOptions};
 use crate::mesh;
-use crate::pipeline::{self, Arms, Engine};
+use crate::pipeline::{self, Engine, Ways};
 
 /// A way must win by this much.
 const MARGIN: f64 = 1e-6;
@@ -37,7 +37,7 @@ pub fn run(
     engine: &Engine,
     mut lines: File,
 ) -> Result<()> {
-    let mut all: Vec<Arms> = Vec::new();
+    let mut all: Vec<Ways> = Vec::new();
     println!("| object | charts | network ahead | classical ahead | most gained by the network |");
     println!("|---|---|---|---|---|");
     for path in objects.take(limit.unwrap_or(usize::MAX)) {
@@ -46,7 +46,7 @@ pub fn run(
             let files = Files::read(&path, &Beside::default())?;
             let input = files.input();
             let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
-            Ok(pipeline::arms(&scene, options, engine, &Run::quiet())?)
+            Ok(pipeline::ways(&scene, options, engine, &Run::quiet())?)
         });
         match made {
             Ok(arms) => {
@@ -63,7 +63,7 @@ pub fn run(
     println!("| all | {}", row(&all));
     println!("\nMean SD − 1 over the area of the charts that went this way, and how many did:\n");
     for (dense, which) in [(true, "with a proxy"), (false, "without")] {
-        let own: Vec<&Arms> = all.iter().filter(|a| a.gain.prolonged.is_some() == dense).collect();
+        let own: Vec<&Ways> = all.iter().filter(|a| a.gain.prolonged.is_some() == dense).collect();
         for (name, way) in WAYS {
             let went: Vec<(f64, f64)> = own
                 .iter()
@@ -85,8 +85,8 @@ fn control(gain: &NeuralGain) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn row(arms: &[Arms]) -> String {
-    let by_network = |a: &Arms| a.gain.net_polish.map(|net| control(&a.gain) - net);
+fn row(arms: &[Ways]) -> String {
+    let by_network = |a: &Ways| a.gain.net_polish.map(|net| control(&a.gain) - net);
     let ahead = arms.iter().filter(|a| by_network(a).is_some_and(|by| by > MARGIN)).count();
     let classical = arms
         .iter()
@@ -116,7 +116,7 @@ mod tests {
             gain(Some(1.02), Some(1.01), Some(1.015)),
             gain(None, Some(1.01), None),
         ];
-        let arms = arms.map(|gain| Arms { area: 1.0, gain });
+        let arms = arms.map(|gain| Ways { area: 1.0, gain });
         assert_eq!(row(&arms), "3 | 1 | 1 | 1.00e-2 |");
     }
 }

@@ -47,7 +47,7 @@ pub struct Args {
     /// Another build of this program to be measured beside it, run by run.
     #[arg(long)]
     pub beside: Option<PathBuf>,
-    /// Folder for scale.json (a line a mesh and program), scale.md and scale.svg. Meshes that have their
+    /// Folder for scale.jsonl (a line a mesh and program), scale.md and scale.svg. Meshes that have their
     /// lines are not measured again.
     #[arg(short, long, default_value = "scale")]
     pub output: PathBuf,
@@ -62,7 +62,7 @@ pub fn run(args: Args) -> Result<()> {
         .with_context(|| format!("cannot make the folder {}", args.output.display()))?;
     let cases = cases(&args);
     ensure!(!cases.is_empty(), "no body has so few triangles in so many pieces: ask for more");
-    let lines = args.output.join("scale.json");
+    let lines = args.output.join("scale.jsonl");
     let mut rows = if lines.exists() { body::read(&lines)? } else { Vec::new() };
     let this = std::env::current_exe().context("cannot find this program")?;
     let programs: Vec<(&str, &PathBuf)> =

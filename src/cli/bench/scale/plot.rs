@@ -106,3 +106,19 @@ pub fn plot(rows: &[Row]) -> String {
     }
     svg + "</svg>\n"
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::bench::scale::table::tests::rows;
+
+    #[test]
+    fn a_power_is_a_straight_line_between_the_decades() {
+        let svg = plot(&rows(40.0));
+        // 10^5 to 10^6 triangles and 1 to 100 seconds: a point on the left and one on the right margin.
+        assert!(svg.contains("<polyline points=\"70.0,391.5 830.0,161.5\""), "{svg}");
+        assert_eq!(svg.matches("<circle").count(), 2);
+        assert!(svg.contains(">this, noise 0.00</text>") && svg.ends_with("</svg>\n"));
+        assert_eq!(plot(&[]), "<svg xmlns=\"http://www.w3.org/2000/svg\"/>\n");
+    }
+}

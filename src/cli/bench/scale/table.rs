@@ -149,3 +149,52 @@ fn exponents(rows: &[Row]) -> String {
 pub fn measured(rows: &[Row]) -> impl Iterator<Item = (&Row, &Figures)> {
     rows.iter().filter_map(|row| Some((row, row.figures.as_ref()?)))
 }
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::cli::bench::scale::body::Case;
+    use crate::synth::{BodyKind, NoiseKind};
+
+    /// Two sizes, of which the larger takes `seconds` and the smaller four; and one that failed.
+    pub fn rows(seconds: f64) -> Vec<Row> {
+        let row = |triangles: u32, seconds: Option<f64>| Row {
+            case: Case {
+                body: BodyKind::Hand,
+                triangles,
+                noise: 0.0,
+                noise_kind: NoiseKind::Normal,
+                copies: 1,
+            },
+            program: "this".into(),
+            error: seconds.is_none().then(|| "no memory".into()),
+            figures: seconds.map(|seconds| Figures {
+                triangles: u64::from(triangles),
+                seconds,
+                stages: vec![("charts".into(), 0.5 * seconds)],
+                peak_memory_mib: Some(300.0),
+                valid: true,
+                parts: 2,
+                charts: 7,
+                seam: Some(5.0),
+                symmetric_dirichlet: Some(1.01),
+                packing: 0.7,
+                small_charts: None,
+                seam_jaggedness: None,
+            }),
+        };
+        vec![row(100_000, Some(4.0)), row(1_000_000, Some(seconds)), row(2_000_000, None)]
+    }
+
+    #[test]
+    fn the_table_has_every_mesh_its_stages_and_the_exponents() {
+        let text = table(&rows(40.0));
+        assert!(
+            text.contains("| hand | 100000 | 0.000 | 1 | this | 4.00 | 300 | yes | 2 | 7 | – |")
+        );
+        assert!(text.contains("| hand | 2000000 | 0.000 | 1 | this | no memory"), "{text}");
+        assert!(text.contains("| 100000 | this | 20.00 |"), "microseconds a triangle: {text}");
+        assert!(text.contains("| this, noise 0.00 | 1.00 | 0.00 | 0.00 |"), "{text}");
+        assert!(table(&rows(400.0)).contains("| this, noise 0.00 | 2.00 |"));
+    }
+}

@@ -10,7 +10,7 @@ use crate::mesh::Scene;
 
 /// The ways of one chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arms {
+pub struct Ways {
     /// Area of the chart, world units squared.
     pub area: f64,
     /// What each way reached.
@@ -18,12 +18,12 @@ pub struct Arms {
 }
 
 /// The ways of every chart that bends.
-pub fn arms(
+pub fn ways(
     scene: &Scene,
     options: &UnwrapOptions,
     engine: &Engine,
     run: &Run,
-) -> Result<Vec<Arms>, UnwrapError> {
+) -> Result<Vec<Ways>, UnwrapError> {
     let whole = || {
         let usual = UnwrapOptions { quality: Quality::Balanced, ..options.clone() };
         let (found, solvers) = parts::find(scene, &usual, engine, run)?;
@@ -31,7 +31,7 @@ pub fn arms(
         let charts = solvers.refined(charts, &found, &usual, run)?;
         let best = UnwrapOptions { quality: Quality::Best, ..options.clone() };
         let mapped = maps::trained(&found, &solvers, charts, &best, engine, run)?;
-        let of = |m: &maps::Mapped| Some(Arms { area: m.chart.disk.area(), gain: m.gain? });
+        let of = |m: &maps::Mapped| Some(Ways { area: m.chart.disk.area(), gain: m.gain? });
         Ok(mapped.iter().filter_map(of).collect())
     };
     whole().map_err(|cause: Cause| cause.of(run))
@@ -46,9 +46,9 @@ mod tests {
     fn every_chart_that_bends_goes_each_way() {
         let scene = scenes::scene(&scenes::sphere(8));
         let options = UnwrapOptions { steps: 5, ..scenes::options() };
-        let arms = arms(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
-        assert!(!arms.is_empty());
-        for Arms { area, gain } in arms {
+        let ways = ways(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
+        assert!(!ways.is_empty());
+        for Ways { area, gain } in ways {
             assert!(area > 0.0 && gain.net.is_some());
             assert!(gain.start_polish.unwrap() <= gain.start.unwrap());
             // Too small for a proxy.
