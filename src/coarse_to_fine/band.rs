@@ -128,6 +128,7 @@ impl<'a, S: Seams> Band<'a, S> {
         self.is_seam(h)
             && self.dense[h as usize / 3]
             && self.class[h as usize / 3] == self.class[t as usize / 3]
+            && !(self.held[h as usize / 3] && self.held[t as usize / 3])
     }
 
     /// Rings between each face and the nearest seam, up to those of a band and one.

@@ -42,7 +42,8 @@ impl Refiner<'_> {
         piece: Piece,
         classical: bool,
     ) -> Result<Result<Chart, Vec<u32>>, Canceled> {
-        let Counterpart { chart, coarse, mesh, .. } = part;
+        let Counterpart { chart, mesh, .. } = part;
+        let coarse = &chart.cut_map;
         let Piece { faces, disk, vertices } = piece;
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         let border = Border::of(&disk);

@@ -9,11 +9,8 @@ use super::pieces::{Pieces, Seams};
 use super::{IN_WAY, near};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece};
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
+use crate::flatten::{self, Border, Disk};
 use crate::mesh::{NONE, Proxy, Surface};
-
-/// Descent steps of a proxy's map before it is carried over.
-const STEPS: u32 = 20;
 
 /// Rings of faces around an overlap in which a cut is closed.
 const CLOSED: u32 = 12;
@@ -39,8 +36,6 @@ pub struct Refiner<'a> {
 /// A chart of the proxy, and the fine faces that carry its label.
 pub struct Counterpart<'a> {
     pub chart: &'a Chart,
-    /// The chart's map, polished.
-    pub coarse: UvMap,
     /// The fine faces.
     pub mesh: PartMesh<'a>,
     /// Whether each half-edge is closed, as it is on the proxy.
@@ -64,7 +59,7 @@ impl Refiner<'_> {
             return Ok(Ok(vec![self.as_it_is(chart)]));
         }
         let last = last || chart.faces.len() == 1;
-        let part = self.counterpart(chart, faces)?;
+        let part = self.counterpart(chart, faces);
         let all: Vec<u32> = (0..part.mesh.len() as u32).collect();
         let mut charts = Vec::new();
         for faces in part.mesh.components(&all, |h| part.glued[h as usize]) {
@@ -94,13 +89,8 @@ impl Refiner<'_> {
         Ok(Ok(charts))
     }
 
-    fn counterpart<'a>(
-        &'a self,
-        chart: &'a Chart,
-        faces: Vec<u32>,
-    ) -> Result<Counterpart<'a>, Canceled> {
-        let options = SlimOptions { iterations: STEPS, keep_simple: true, ..Default::default() };
-        let coarse = flatten::slim(&chart.disk, &chart.cut_map, &options, &self.run.cancel)?;
+    fn counterpart<'a>(&'a self, chart: &'a Chart, faces: Vec<u32>) -> Counterpart<'a> {
+        let coarse = &chart.cut_map;
         let mesh = PartMesh::new(self.fine, faces);
         let label = |h: u32| self.labels[mesh.faces[h as usize / 3] as usize];
         let glued = |h: u32| {
@@ -112,7 +102,7 @@ impl Refiner<'_> {
             let corners = chart.disk.triangles[of as usize].map(|v| coarse[v as usize]);
             corners.iter().sum::<DVec2>() / 3.0
         };
-        let edge = flatten::scale(&chart.disk, &coarse)
+        let edge = flatten::scale(&chart.disk, coarse)
             * (chart.disk.area() / chart.faces.len() as f64 * 4.0 / 3f64.sqrt()).sqrt();
         // Sides that had something between them, which is gone, touch: they are no neighbours on the map.
         let apart = |h: u32| {
@@ -124,7 +114,7 @@ impl Refiner<'_> {
         let inner = |h: u32| mesh.twin[h as usize] != NONE;
         let apart: Vec<bool> = half_edges.clone().map(|h| inner(h) && apart(h)).collect();
         let glued: Vec<bool> = half_edges.map(|h| glued(h) && !apart[h as usize]).collect();
-        Ok(Counterpart { chart, coarse, mesh, glued, apart })
+        Counterpart { chart, mesh, glued, apart }
     }
 
     /// A piece without the cut that overlaps, where that is short.

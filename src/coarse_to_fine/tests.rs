@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
+use super::carry::spread;
 use super::*;
+use crate::charts;
 use crate::device::Seeded;
 use crate::flatten::quality;
 use crate::mesh::{ProxySize, Scene, condition, proxy};
