@@ -137,6 +137,9 @@ impl<'a> Carrier<'a> {
     /// that leaves no fewer.
     fn try_on(&mut self, way: Way) -> Result<(), Canceled> {
         let failed = self.failed();
+        if self.refined.iter().all(|r| r.as_ref().err().is_none_or(Vec::is_empty)) {
+            return Ok(());
+        }
         let before = self.band.labels.clone();
         self.relabel(way);
         let mut changed: Vec<bool> = self.refined.iter().map(Result::is_err).collect();

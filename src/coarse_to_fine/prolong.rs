@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::refine::{Counterpart, Refiner};
 use crate::charts::{self, Chart, Piece, StartKind};
 use crate::contract::Canceled;
-use crate::flatten::{self, Border, Disk, UvMap};
+use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 use crate::mesh::Place;
 
 /// Energy that noise and roughness, which the proxy has not, may add to its map's.
@@ -18,8 +18,20 @@ const GAP: f64 = 0.02;
 /// An edge that is carried over with more than this stretch crosses a cut.
 const STRETCH: f64 = 6.0;
 
+/// Energy over 1 of a chart that would be divided on the fine surface otherwise.
+const STRAINED: f64 = 0.25;
+
 /// Sweeps over the vertices of a map that was carried over.
 const SWEEPS: u32 = 8;
+
+/// Share of the excess that a step of it takes off at least.
+const GAIN: f64 = 0.02;
+
+/// Faces, steps times, of the descent that follows.
+const WORK: usize = 200_000;
+
+/// Most steps of it.
+const STEPS: usize = 20;
 
 /// Mean edge of a border.
 fn border_edge(border: &Border, uv: &UvMap) -> f64 {
@@ -35,50 +47,64 @@ fn border_edge(border: &Border, uv: &UvMap) -> f64 {
 
 impl Refiner<'_> {
     /// The chart of a piece with a map that is proved; else the faces of the surface, ascending, at which it
-    /// fails. `classical`: whether the classical start is tried, too.
+    /// fails. `last`: whether a classical start is tried, too, and a map that is strained is better than none.
     pub fn mapped(
         &self,
         part: &Counterpart,
         piece: Piece,
-        classical: bool,
+        last: bool,
     ) -> Result<Result<Chart, Vec<u32>>, Canceled> {
         let Counterpart { chart, mesh, .. } = part;
-        let coarse = &chart.cut_map;
         let Piece { faces, disk, vertices } = piece;
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         let border = Border::of(&disk);
         // The cut may have been made with a higher bound, for `max_charts`.
-        let reached = flatten::quality(&chart.disk, coarse).mean - 1.0;
+        let reached = flatten::quality(&chart.disk, &chart.cut_map).mean - 1.0;
         let most = self.options.distortion_bound.max(reached) + NOISE;
-        let fits = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0 <= most;
-        let proved = |uv: &UvMap| fits(uv) && charts::is_sound(&disk, uv, self.clearance);
+        let excess = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0;
+        let fits = |uv: &UvMap| excess(uv) <= most;
+        let is_sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
         let mut trouble: Vec<u32> = Vec::new();
         let mut found = None;
-        if let Some(carried) = flatten::extend(&disk, self.prolonged(chart, coarse, &faces, &disk))
-        {
+        let mut strained = None;
+        if let Some(carried) = flatten::extend(&disk, self.prolonged(chart, &faces, &disk)) {
             match flatten::untangle(&disk, carried) {
                 Err(flipped) => trouble = flipped.iter().map(|&f| faces[f as usize]).collect(),
                 Ok(mended) => {
-                    let uv = flatten::relax(&disk, mended, SWEEPS, &self.run.cancel)?;
-                    if proved(&uv) {
-                        found = Some((uv, StartKind::Prolonged));
-                    } else if fits(&uv) {
+                    let mut uv = flatten::relax(&disk, mended, SWEEPS, &self.run.cancel)?;
+                    if !fits(&uv) {
+                        uv = self.descended(&disk, &uv, false)?;
+                    }
+                    if !is_sound(&uv) {
                         let at = flatten::touching(&border, &uv, self.clearance);
                         let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
                         let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
                         trouble = own.map(|(&f, _)| f).collect();
                         let gap = (GAP * border_edge(&border, &uv)).max(2.0 * self.clearance);
-                        let uv = flatten::separate(&disk, uv, &border, gap).filter(proved);
-                        found = uv.map(|uv| (uv, StartKind::Prolonged));
+                        strained = flatten::separate(&disk, uv, &border, gap).filter(is_sound);
+                    } else {
+                        strained = Some(uv);
                     }
+                    found = strained.clone().filter(fits).map(|uv| (uv, StartKind::Prolonged));
                 }
             }
         }
-        if found.is_none() && classical {
+        if found.is_none() && last {
             let (start, kind) = flatten::start_map(&disk);
             let relaxed = flatten::relax(&disk, start.clone(), SWEEPS, &self.run.cancel)?;
-            found = [relaxed, start].into_iter().find(proved).map(|uv| (uv, kind.into()));
+            let mut ways = vec![(relaxed, kind.into()), (start, kind.into())];
+            ways.extend(strained.map(|uv| (uv, StartKind::Prolonged)));
+            ways.retain(|(uv, _)| is_sound(uv));
+            ways.sort_by(|a, b| excess(&a.0).total_cmp(&excess(&b.0)));
+            found = ways.into_iter().next();
         }
+        if let Some((uv, _)) = &mut found {
+            let polished = self.descended(&disk, uv, true)?;
+            if is_sound(&polished) {
+                *uv = polished;
+            }
+        }
+        found = found.filter(|(uv, _)| excess(uv) <= if last { STRAINED } else { most });
         let made = |(uv, start_kind): (UvMap, StartKind)| {
             let uv = flatten::rescale(&disk, uv);
             Chart {
@@ -95,8 +121,23 @@ impl Refiner<'_> {
         Ok(found.map(made).ok_or(trouble))
     }
 
+    /// Newton steps, as many as there are in so much work. `keep_simple`: whether the border may not come to touch
+    /// itself.
+    fn descended(&self, disk: &Disk, uv: &UvMap, keep_simple: bool) -> Result<UvMap, Canceled> {
+        let iterations = (WORK / disk.triangles.len().max(1)).clamp(1, STEPS) as u32;
+        let options = SlimOptions {
+            iterations,
+            keep_simple,
+            newton: true,
+            tolerance: GAIN,
+            ..Default::default()
+        };
+        flatten::slim(disk, uv, &options, &self.run.cancel)
+    }
+
     /// The map carried over: each vertex where it lies in its proxy face, NaN beyond the chart's proxy.
-    fn prolonged(&self, chart: &Chart, coarse: &UvMap, faces: &[u32], disk: &Disk) -> UvMap {
+    fn prolonged(&self, chart: &Chart, faces: &[u32], disk: &Disk) -> UvMap {
+        let coarse = &chart.cut_map;
         let mut uv = vec![DVec2::NAN; disk.positions.len()];
         let corners = |face: u32| {
             let at = chart.faces.binary_search(&face).ok()?;

@@ -79,7 +79,10 @@ impl Refiner<'_> {
                 }
                 Err(trouble) => trouble,
             };
-            let peeled = if peel || last { self.peeled(&part, &faces, &trouble)? } else { None };
+            let peeled = match peel || last {
+                true => self.peeled(&part, &faces, &trouble, last)?,
+                false => None,
+            };
             match peeled {
                 Some(made) => charts.extend(made),
                 None if last => charts.extend(self.split(&part, &faces)?),
@@ -147,6 +150,7 @@ impl Refiner<'_> {
         part: &Counterpart,
         faces: &[u32],
         trouble: &[u32],
+        last: bool,
     ) -> Result<Option<Vec<Chart>>, Canceled> {
         let mesh = &part.mesh;
         // Connected faces of some.
@@ -162,11 +166,16 @@ impl Refiner<'_> {
         if (main.len() as f64) < (1.0 - IN_WAY) * faces.len() as f64 {
             return Ok(None);
         }
+        // Where more than one chart comes of it, one cut through the chart makes fewer.
+        let others = components(&|f| main.binary_search(&f).is_err());
+        if others.len() > 1 && !last {
+            return Ok(None);
+        }
         let general = |made: Chart| Chart { shape: ChartShape::General, ..made };
         let piece = self.opened(part, &main, &part.glued);
         let Ok(made) = self.mapped(part, piece, false)? else { return Ok(None) };
         let mut charts = vec![general(made)];
-        for faces in components(&|f| main.binary_search(&f).is_err()) {
+        for faces in others {
             match self.mapped(part, self.opened(part, &faces, &part.glued), true)? {
                 Ok(made) => charts.push(general(made)),
                 Err(_) => charts.extend(self.split(part, &faces)?),

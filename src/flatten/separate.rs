@@ -44,6 +44,11 @@ pub fn separate(disk: &Disk, mut uv: UvMap, border: &Border, gap: f64) -> Option
             return None;
         }
         let rings = RINGS + RINGS * (round / WIDEN);
+        // What was turned over on the way would be in the way.
+        if round % WIDEN == WIDEN - 1 && count_flips(disk, &uv) > 0 {
+            uv = untangle(disk, uv).ok()?;
+            continue;
+        }
         let mut shift = vec![(DVec2::ZERO, 0.0); uv.len()];
         for [e, f] in &touching {
             let Some(way) = way_out(&uv, e, f, gap) else { continue };

@@ -33,11 +33,20 @@ pub struct SlimOptions {
     /// Refuse steps after which the boundary is not simple: a map that starts injective stays so,
     /// at the price of stopping where it would touch itself.
     pub keep_simple: bool,
+    /// Take Newton's steps from the first on: for a start that is near the optimum.
+    pub newton: bool,
 }
 
 impl Default for SlimOptions {
     fn default() -> Self {
-        Self { iterations: 50, tolerance: 1e-3, target: None, give_up: None, keep_simple: false }
+        Self {
+            iterations: 50,
+            tolerance: 1e-3,
+            target: None,
+            give_up: None,
+            keep_simple: false,
+            newton: false,
+        }
     }
 }
 
@@ -133,7 +142,7 @@ impl<'a> Descent<'a> {
         let Ok(mut system) = BlockSystem::new(unknowns, self.disk.triangles.clone()) else {
             return Ok(false);
         };
-        let mut newton = false;
+        let mut newton = options.newton;
         for _ in 0..options.iterations {
             cancel.check()?;
             let gradient = self.assemble(&mut system, newton);

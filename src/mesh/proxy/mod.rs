@@ -4,6 +4,7 @@
 
 mod builder;
 mod collapse;
+mod denoise;
 mod dense;
 mod features;
 mod place;
@@ -114,11 +115,14 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     let dense: Result<Vec<Dense>, Canceled> = sources
         .into_par_iter()
         .map(|faces| {
-            let coarse = match is_rough(surface, &faces) {
-                true => size.coarse.min(faces.len() / FEWER),
-                false => size.coarse,
-            };
-            Dense::new(surface, faces, (&positions, &corners), &features, coarse, run)
+            let rough = is_rough(surface, &faces);
+            let coarse = if rough { size.coarse.min(faces.len() / FEWER) } else { size.coarse };
+            let mut dense =
+                Dense::new(surface, faces, (&positions, &corners), &features, coarse, run)?;
+            if rough {
+                denoise::denoise(&mut dense.collapsed);
+            }
+            Ok(dense)
         })
         .collect();
     // What could not be collapsed stays as it is.
