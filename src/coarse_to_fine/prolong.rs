@@ -21,8 +21,9 @@ const STRETCH: f64 = 6.0;
 /// Energy over 1 of a chart that would be divided on the fine surface otherwise.
 const STRAINED: f64 = 0.25;
 
-/// Sweeps over the vertices of a map that was carried over.
-const SWEEPS: u32 = 8;
+/// Sweeps over the vertices of a map that was carried over: least and most, and the faces of all of them.
+const SWEEPS: [usize; 2] = [2, 8];
+const SWEPT: usize = 400_000;
 
 /// Share of the excess that a step of it takes off at least.
 const GAIN: f64 = 0.02;
@@ -64,6 +65,7 @@ impl Refiner<'_> {
         let excess = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0;
         let fits = |uv: &UvMap| excess(uv) <= most;
         let is_sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
+        let sweeps = (SWEPT / faces.len().max(1)).clamp(SWEEPS[0], SWEEPS[1]) as u32;
         let mut trouble: Vec<u32> = Vec::new();
         let mut found = None;
         let mut strained = None;
@@ -71,7 +73,7 @@ impl Refiner<'_> {
             match flatten::untangle(&disk, carried) {
                 Err(flipped) => trouble = flipped.iter().map(|&f| faces[f as usize]).collect(),
                 Ok(mended) => {
-                    let mut uv = flatten::relax(&disk, mended, SWEEPS, &self.run.cancel)?;
+                    let mut uv = flatten::relax(&disk, mended, sweeps, &self.run.cancel)?;
                     if !fits(&uv) {
                         uv = self.descended(&disk, &uv, false)?;
                     }
@@ -91,7 +93,7 @@ impl Refiner<'_> {
         }
         if found.is_none() && last {
             let (start, kind) = flatten::start_map(&disk);
-            let relaxed = flatten::relax(&disk, start.clone(), SWEEPS, &self.run.cancel)?;
+            let relaxed = flatten::relax(&disk, start.clone(), sweeps, &self.run.cancel)?;
             let mut ways = vec![(relaxed, kind.into()), (start, kind.into())];
             ways.extend(strained.map(|uv| (uv, StartKind::Prolonged)));
             ways.retain(|(uv, _)| is_sound(uv));

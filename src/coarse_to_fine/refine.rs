@@ -178,7 +178,8 @@ impl Refiner<'_> {
         for faces in others {
             match self.mapped(part, self.opened(part, &faces, &part.glued), true)? {
                 Ok(made) => charts.push(general(made)),
-                Err(_) => charts.extend(self.split(part, &faces)?),
+                Err(_) if last => charts.extend(self.split(part, &faces)?),
+                Err(_) => return Ok(None),
             }
         }
         Ok(Some(charts))

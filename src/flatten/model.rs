@@ -6,6 +6,14 @@ use glam::{DMat2, DVec2};
 
 use super::jacobian::singular_values;
 
+/// The direction at half the angle of a unit vector.
+fn half(u: DVec2) -> DVec2 {
+    // Each half plane by the root that loses no digits.
+    let long = (0.5 * (1.0 + u.x.abs())).sqrt();
+    let short = 0.5 * u.y / long;
+    if u.x >= 0.0 { DVec2::new(long, short) } else { DVec2::new(short.abs(), long.copysign(u.y)) }
+}
+
 /// Stiffnesses are kept below this, so that a triangle near collapse does not overflow.
 const LARGEST: f64 = 1e24;
 
@@ -50,11 +58,11 @@ impl Model {
     fn new(j: DMat2, first: [f64; 2], second: [f64; 2], between: f64) -> Self {
         let (a, b, c, d) = (j.x_axis.x, j.y_axis.x, j.x_axis.y, j.y_axis.y);
         // The conformal part turns by the difference of U's and V's angles, the anticonformal part
-        // by their sum.
-        let difference = (c - b).atan2(a + d);
-        let sum = (c + b).atan2(a - d);
-        let left = DVec2::from_angle(0.5 * (sum + difference));
-        let right = DVec2::from_angle(0.5 * (sum - difference));
+        // by their sum: U's direction is half of both.
+        let difference = DVec2::new(a + d, c - b).normalize_or(DVec2::X);
+        let sum = DVec2::new(a - d, c + b).normalize_or(DVec2::X);
+        let left = half(sum.rotate(difference));
+        let right = left.rotate(DVec2::new(difference.x, -difference.y));
         Self { left, right, first, second, between }
     }
 

@@ -64,12 +64,18 @@ impl<'a> Locator<'a> {
             }
             nearer
         };
-        let around = |v: u32, fan: &mut Vec<u32>| {
-            sheet.fan(self.collapsed.out[v as usize], fan);
+        // Whether one of the faces around a vertex is nearer; each vertex is asked once.
+        let mut asked: Vec<u32> = Vec::new();
+        let mut around = |v: u32, best: &mut Option<(f64, Place)>| {
+            if asked.contains(&v) {
+                return false;
+            }
+            asked.push(v);
+            sheet.fan(self.collapsed.out[v as usize], &mut fan);
+            fan.iter().fold(false, |moved, &h| look(h / 3, best) || moved)
         };
         for &v in from {
-            around(self.collapsed.root(v), &mut fan);
-            fan.iter().for_each(|&h| _ = look(h / 3, &mut best));
+            around(self.collapsed.root(v), &mut best);
         }
         // None of the outline's faces is near: begin at the nearest of all.
         if best.is_none() {
@@ -79,14 +85,8 @@ impl<'a> Locator<'a> {
         }
         for _ in 0..STEPS {
             let Some((_, Place { face, .. })) = best else { break };
-            let mut moved = false;
-            for v in sheet.triangles[face as usize] {
-                around(v, &mut fan);
-                for &h in &fan {
-                    moved |= look(h / 3, &mut best);
-                }
-            }
-            if !moved {
+            let corners = sheet.triangles[face as usize];
+            if !corners.into_iter().fold(false, |moved, v| around(v, &mut best) || moved) {
                 break;
             }
         }
