@@ -52,6 +52,10 @@ pub struct AtlasMetrics {
     #[serde(default)]
     #[schema(required)]
     pub small_charts_exempt: u32,
+    /// How components of many faces were cut; null where there are none.
+    #[serde(default)]
+    #[schema(required)]
+    pub coarse_to_fine: Option<CoarseToFine>,
     /// The objective of the charts: distortion, seams and their number in one figure (docs/metrics.md). What
     /// charts are cut to make small.
     pub objective: f64,
@@ -195,6 +199,22 @@ pub struct ChartMetrics {
     /// The figures of its faces.
     #[serde(flatten)]
     pub figures: Figures,
+}
+
+/// How dense components, those of more than 12,000 faces, were cut (docs/coarse_to_fine.md).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+pub struct CoarseToFine {
+    /// Those that were cut on a coarse proxy, from which charts were carried back.
+    pub components: u32,
+    /// Those that were cut as they are: they cannot be collapsed, or have too many holes for it.
+    pub as_they_are: u32,
+    /// Charts of the former that were carried back.
+    pub carried: u32,
+    /// Charts of the former that were made on the mesh itself, where carrying them back failed.
+    pub otherwise: u32,
+    /// Share of their area in charts that were carried back; null where there is none.
+    #[schema(required)]
+    pub carried_area: Option<f64>,
 }
 
 /// What conditioning repaired, for the solvers only: the file keeps its geometry.

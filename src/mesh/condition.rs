@@ -14,6 +14,9 @@ use crate::contract::{Canceled, Repairs, Run};
 /// A face whose height is below this share of the diagonal has no area.
 const FLAT: f64 = 1e-7;
 
+/// An object that lies farther from the origin than so many diagonals is moved there, for the solvers.
+const FAR: f64 = 64.0;
+
 /// Condition a scene.
 pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
     run.cancel.check()?;
@@ -39,7 +42,12 @@ pub fn condition(scene: &Scene, run: &Run) -> Result<Surface, Canceled> {
         }
     }
     number_file_components(&mut origins, &raw, soup.len());
-    let (low, diagonal) = extent(&soup, &raw);
+    let (mut low, diagonal) = extent(&soup, &raw);
+    if low.length() > FAR * diagonal {
+        // What is far from the origin loses its shape where numbers are kept in single precision.
+        soup.iter_mut().for_each(|p| *p -= low);
+        low = DVec3::ZERO;
+    }
     let (ids, mut positions) = weld::weld(&soup, low, weld::TOLERANCE * diagonal);
     run.cancel.check()?;
     let mut triangles: Vec<[u32; 3]> = raw.iter().map(|t| t.map(|v| ids[v as usize])).collect();
@@ -275,6 +283,17 @@ mod tests {
         assert_eq!(s.repairs.welded, 2);
         assert_eq!(s.twin[2], 3);
         assert_eq!(s.twin.iter().filter(|&&t| t != NONE).count(), 2);
+    }
+
+    #[test]
+    fn what_is_far_from_the_origin_is_moved_there() {
+        let moved = |by: f64| {
+            let away = QUAD.map(|p| p.map(|x| x + by));
+            conditioned(&away, &[[0, 1, 2], [0, 2, 3]]).positions
+        };
+        let at = |by: f64| moved(by)[0];
+        assert_eq!([at(0.0), at(32.0)], [DVec3::ZERO, DVec3::splat(32.0)]);
+        assert_eq!(moved(1024.0), moved(0.0));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 mod certify;
 mod charting;
 mod choice;
+mod dense;
 mod densities;
 mod effort;
 mod engine;

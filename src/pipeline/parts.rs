@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::dense::Dense;
 use super::densities::densities;
 use super::engine::Engine;
 use super::error::Cause;
@@ -30,6 +31,8 @@ pub struct Found {
     pub sources: Vec<u32>,
     /// Texel density of each part relative to the others.
     pub densities: Vec<f64>,
+    /// Its dense components.
+    pub dense: Dense,
 }
 
 /// What the solvers see: the surface that is cut, its samples, and the parts on it.
@@ -104,10 +107,12 @@ pub fn find(
 ) -> Result<(Found, Solvers), Cause> {
     run.stage(Stage::Condition)?;
     let surface = Arc::new(mesh::condition(scene, run)?);
-    check_area(&surface)?;
+    check_area(scene, &surface)?;
     warn_of_faults(&surface, run);
     // What is dense is looked at and cut as a coarser surface that stands for it.
-    let proxy = mesh::proxy(&surface, ProxySize::default(), run)?;
+    let size = ProxySize::default();
+    let proxy = mesh::proxy(&surface, size, run)?;
+    let dense = Dense::of(&surface, proxy.as_ref(), size);
     let seen = proxy.as_ref().map_or(&surface, |proxy| &proxy.surface).clone();
     run.stage(Stage::Sample)?;
     let counts = SampleCounts::dense(seen.face_count());
@@ -131,6 +136,7 @@ pub fn find(
         surface,
         parts,
         sources,
+        dense,
     };
     // A face of the proxy is what is left of one of the surface.
     let own = match &proxy {
@@ -141,12 +147,29 @@ pub fn find(
     Ok((found, Solvers { surface: seen, proxy, own, cloud, part_of }))
 }
 
+/// Share of an object's size that neighbouring numbers may be apart.
+const FEW_STEPS: f64 = 0.02;
+
 /// An error where no face has area: there is nothing to unwrap.
-fn check_area(surface: &Surface) -> Result<(), ImportError> {
+fn check_area(scene: &Scene, surface: &Surface) -> Result<(), ImportError> {
     if surface.usable.contains(&true) {
         return Ok(());
     }
     let count = surface.face_count();
+    let corners = scene
+        .primitives
+        .iter()
+        .flat_map(|primitive| primitive.triangles.iter().flatten().map(|&v| primitive.position(v)));
+    let far = corners.map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    // What single precision, which most files hold, tells apart at that distance.
+    let step = far * f64::from(f32::EPSILON);
+    if far > 0.0 && step > FEW_STEPS * surface.diagonal {
+        return Err(ImportError::Invalid(format!(
+            "none of the mesh's {count} faces has an area: it lies {far:.3e} from the origin, where single \
+             precision tells places {step:.1e} apart and no nearer. Move the object to the origin in your tool \
+             and export it again"
+        )));
+    }
     let first = surface.origins.first().map_or_else(String::new, |origin| {
         let name = surface.names.get(origin.primitive as usize).filter(|name| !name.is_empty());
         let of = name.map_or_else(String::new, |name| format!(" of {name:?}"));
@@ -213,6 +236,19 @@ mod tests {
         assert_eq!(error.code, ErrorCode::InvalidMesh);
         let said = "none of the mesh's 2 faces has an area, the first is face 0 of \"wire\"";
         assert!(error.message.starts_with(said), "{}", error.message);
+    }
+
+    #[test]
+    fn what_single_precision_does_not_hold_is_refused_with_where_it_lies() {
+        // Neighbouring numbers in single precision are 8 apart there.
+        let far = "v 1e8 0 0\nv 100000001 0 0\nv 1e8 1 0\nf 1 2 3\n";
+        let run = Run::quiet();
+        let error = find(&scenes::scene(far), &scenes::options(), &scenes::engine(), &run);
+        let error = error.err().unwrap().of(&run).job_error().unwrap();
+        assert_eq!(error.code, ErrorCode::InvalidMesh);
+        for said in ["1.000e8 from the origin", "1.2e1 apart", "Move the object to the origin"] {
+            assert!(error.message.contains(said), "{}", error.message);
+        }
     }
 
     #[test]

@@ -88,6 +88,7 @@ pub fn whole(
         seam_jaggedness_15: jaggedness.map(|j| j.wide),
         small_charts: small.avoidable,
         small_charts_exempt: small.exempt,
+        coarse_to_fine: found.dense.metrics(&found.surface, &finished.charts),
         objective: choice::objective(&found.surface, finished, options),
         joint_seams,
         instances: instance_metrics,

@@ -5,6 +5,7 @@ mod benchmarks;
 mod best;
 mod budget;
 mod certificate;
+mod large;
 mod maps;
 mod metrics;
 mod options;

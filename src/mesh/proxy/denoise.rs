@@ -112,3 +112,71 @@ fn follow(collapsed: &mut Collapsed, faces: &[u32], wanted: &[DVec3], around: &[
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::Seeded;
+    use crate::mesh::proxy::collapse::Sheet;
+
+    /// A sheet of `n` × `n` cells of side 1 with a roof's ridge along its middle, shaken by so much.
+    fn roof(n: u32, noise: f64) -> Collapsed {
+        let mut random = Seeded::new(3, 0);
+        let mut shake = || noise * (2.0 * random.unit_f64() - 1.0);
+        let at = |i: u32| {
+            let (x, y) = (f64::from(i % (n + 1)), f64::from(i / (n + 1)));
+            DVec3::new(x, y, -(x - f64::from(n / 2)).abs())
+        };
+        let positions: Vec<DVec3> =
+            (0..(n + 1) * (n + 1)).map(|i| at(i) + DVec3::new(shake(), shake(), shake())).collect();
+        let cells = (0..n * n).map(|i| i / n * (n + 1) + i % n);
+        let triangles: Vec<[u32; 3]> =
+            cells.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
+        let vertex = |h: u32| triangles[h as usize / 3][h as usize % 3];
+        let ends = |h: u32| (vertex(h), vertex(h - h % 3 + (h % 3 + 1) % 3));
+        let half_edges = 0..3 * triangles.len() as u32;
+        let twin = half_edges
+            .clone()
+            .map(|h| {
+                half_edges.clone().find(|&t| ends(t) == (ends(h).1, ends(h).0)).unwrap_or(NONE)
+            })
+            .collect();
+        let feature = vec![0; 3 * triangles.len()];
+        let alive = vec![true; triangles.len()];
+        let sheet = Sheet { positions, triangles, twin, feature };
+        Collapsed { sheet, alive, ..Collapsed::default() }
+    }
+
+    /// Root mean square distance from the roof, without the border.
+    fn off(roof: &Collapsed, n: u32) -> f64 {
+        let inner = |i: &usize| {
+            let (x, y) = (*i as u32 % (n + 1), *i as u32 / (n + 1));
+            (2..n - 1).contains(&x) && (2..n - 1).contains(&y)
+        };
+        let inner: Vec<usize> = (0..roof.sheet.positions.len()).filter(inner).collect();
+        let square = |&i: &usize| {
+            let p = roof.sheet.positions[i];
+            (p.z + (p.x - f64::from(n / 2)).abs()).powi(2) / 2.0
+        };
+        (inner.iter().map(square).sum::<f64>() / inner.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn noise_goes_and_a_ridge_stays() {
+        let mut roof = roof(16, 0.12);
+        let before = off(&roof, 16);
+        denoise(&mut roof);
+        let after = off(&roof, 16);
+        assert!(after < 0.6 * before, "{before} {after}");
+    }
+
+    #[test]
+    fn what_has_no_noise_stays_and_so_does_the_border() {
+        let exact = roof(12, 0.0);
+        let mut same = exact.clone();
+        denoise(&mut same);
+        let moved = same.sheet.positions.iter().zip(&exact.sheet.positions);
+        assert!(moved.clone().all(|(p, q)| p.distance(*q) < 0.05));
+        assert!(moved.take(13).all(|(p, q)| p == q), "the first row is the border");
+    }
+}
