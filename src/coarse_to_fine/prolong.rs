@@ -1,7 +1,7 @@
 //! The proxy's map of a piece of a fine chart: carried over the record (prolongation), continued beyond the
 //! chart's proxy, mended, relaxed, parted where it overlaps itself, and proved.
 
-use glam::DVec2;
+use glam::{DMat2, DVec2, DVec3};
 
 use super::refine::{Counterpart, Refiner};
 use crate::charts::{self, Chart, Piece, StartKind};
@@ -9,8 +9,13 @@ use crate::contract::Canceled;
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 use crate::mesh::Place;
 
-/// Energy that noise and roughness, which the proxy has not, may add to its map's.
-const NOISE: f64 = 0.04;
+/// What a map's energy may have over its proxy's: so many times the noise floor, and a little for borders that
+/// were moved.
+const FLOORS: f64 = 1.5;
+const MOVED: f64 = 0.0025;
+
+/// Energy over 1 from which a face is no noise: it was collapsed.
+const COLLAPSED: f64 = 1.0;
 
 /// Distance that parts of a border which were pushed apart have, in mean edges of the border.
 const GAP: f64 = 0.02;
@@ -61,7 +66,8 @@ impl Refiner<'_> {
         let border = Border::of(&disk);
         // The cut may have been made with a higher bound, for `max_charts`.
         let reached = flatten::quality(&chart.disk, &chart.cut_map).mean - 1.0;
-        let most = self.options.distortion_bound.max(reached) + NOISE;
+        let floor = self.noise_floor(&faces, &disk);
+        let most = self.options.distortion_bound.max(reached) + FLOORS * floor + MOVED;
         let excess = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0;
         let fits = |uv: &UvMap| excess(uv) <= most;
         let is_sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
@@ -135,6 +141,28 @@ impl Refiner<'_> {
             ..Default::default()
         };
         flatten::slim(disk, uv, &options, &self.run.cancel)
+    }
+
+    /// Mean energy over 1 that the fine faces have laid on the proxy, each where its corners lie: what noise and
+    /// roughness, which the proxy has not, add to any map.
+    fn noise_floor(&self, faces: &[u32], disk: &Disk) -> f64 {
+        let at = |v: u32| {
+            let Place { face, weights } = self.proxy.places[v as usize];
+            let corners = self.proxy.surface.corners(face as usize);
+            corners.iter().zip(weights).map(|(c, w)| *c * f64::from(w)).sum::<DVec3>()
+        };
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (i, &f) in faces.iter().enumerate().filter(|(i, _)| disk.areas[*i] > 0.0) {
+            let [a, b, c] = self.proxy.corners[f as usize].map(at);
+            let [_, second, third] = flatten::flatten_triangle(a, b, c);
+            let laid = DMat2::from_cols(second, third) * disk.rest[i];
+            let energy = flatten::symmetric_dirichlet(laid) - 1.0;
+            if energy < COLLAPSED {
+                sum += disk.areas[i] * energy;
+                area += disk.areas[i];
+            }
+        }
+        if area > 0.0 { sum / area } else { 0.0 }
     }
 
     /// The map carried over: each vertex where it lies in its proxy face, NaN beyond the chart's proxy.

@@ -50,7 +50,8 @@ options! {
         /// this: lower gives more parts.
         part_boundary: f64 = 0.55, Parts, 0.0..=1.0;
         /// Bound on a chart's area-weighted mean symmetric Dirichlet energy, minus 1. Larger gives fewer
-        /// charts.
+        /// charts. Components of more than 12,000 triangles are cut on a coarser surface, whose charts it
+        /// bounds: noise of the mesh comes on top.
         distortion_bound: f64 = 0.01, Charts, 0.000000001..=1000.0;
         /// Most charts to aim for; null for no aim. Validity comes first.
         max_charts: Option<u32> = None, Charts, 1..=10000000 "charts";
