@@ -72,7 +72,7 @@ impl<'a> Locator<'a> {
             }
             asked.push(v);
             sheet.fan(self.collapsed.out[v as usize], &mut fan);
-            fan.iter().fold(false, |moved, &h| look(h / 3, best) || moved)
+            fan.iter().filter(|h| look(**h / 3, best)).count() > 0
         };
         for &v in from {
             around(self.collapsed.root(v), &mut best);
@@ -86,7 +86,7 @@ impl<'a> Locator<'a> {
         for _ in 0..STEPS {
             let Some((_, Place { face, .. })) = best else { break };
             let corners = sheet.triangles[face as usize];
-            if !corners.into_iter().fold(false, |moved, v| around(v, &mut best) || moved) {
+            if corners.into_iter().filter(|&v| around(v, &mut best)).count() == 0 {
                 break;
             }
         }
