@@ -25,7 +25,7 @@ pub use chart::{Chart, ChartShape, StartKind};
 pub use joins::over_cut::{OverCutPart, Seam, over_cut};
 pub use limits::clearance;
 pub use limits::cost::seam_cost;
-pub use limits::fit::is_sound;
+pub use limits::fit::{is_sound, is_sound_within};
 pub use objective::objective;
 pub use part_mesh::{PartMesh, Piece};
 pub use patches::{initial_patches, open_where};

@@ -30,14 +30,10 @@ const STRAINED: f64 = 0.25;
 const SWEEPS: [usize; 2] = [2, 8];
 const SWEPT: usize = 400_000;
 
-/// Share of the excess that a step of it takes off at least.
-const GAIN: f64 = 0.02;
-
-/// Faces, steps times, of the descent that follows.
+/// The descent that follows: faces times steps, most steps, and share of the excess that each takes off at least.
 const WORK: usize = 200_000;
-
-/// Most steps of it.
 const STEPS: usize = 20;
+const GAIN: f64 = 0.02;
 
 /// Mean edge of a border.
 fn border_edge(border: &Border, uv: &UvMap) -> f64 {
@@ -49,6 +45,29 @@ fn border_edge(border: &Border, uv: &UvMap) -> f64 {
         }
     }
     length / f64::max(count, 1.0)
+}
+
+/// A piece of a fine chart that is to be mapped.
+struct Patch<'a> {
+    /// The proxy's chart.
+    chart: &'a Chart,
+    /// Faces of the surface, ascending.
+    faces: Vec<u32>,
+    disk: Disk,
+    border: Border,
+    /// Most energy over 1 that a map of it may have.
+    most: f64,
+    /// Sweeps that relax a map.
+    sweeps: u32,
+}
+
+impl Patch<'_> {
+    fn excess(&self, uv: &UvMap) -> f64 {
+        flatten::mean_energy(&self.disk, uv) - 1.0
+    }
+    fn fits(&self, uv: &UvMap) -> bool {
+        self.excess(uv) <= self.most
+    }
 }
 
 impl Refiner<'_> {
@@ -63,70 +82,82 @@ impl Refiner<'_> {
         let Counterpart { chart, mesh, .. } = part;
         let Piece { faces, disk, vertices } = piece;
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
-        let border = Border::of(&disk);
         // The cut may have been made with a higher bound, for `max_charts`.
-        let reached = flatten::quality(&chart.disk, &chart.cut_map).mean - 1.0;
+        let reached = flatten::mean_energy(&chart.disk, &chart.cut_map) - 1.0;
         let floor = self.noise_floor(&faces, &disk);
         let most = self.options.distortion_bound.max(reached) + FLOORS * floor + MOVED;
-        let excess = |uv: &UvMap| flatten::quality(&disk, uv).mean - 1.0;
-        let fits = |uv: &UvMap| excess(uv) <= most;
-        let is_sound = |uv: &UvMap| charts::is_sound(&disk, uv, self.clearance);
         let sweeps = (SWEPT / faces.len().max(1)).clamp(SWEEPS[0], SWEEPS[1]) as u32;
-        let mut trouble: Vec<u32> = Vec::new();
-        let mut found = None;
-        let mut strained = None;
-        if let Some(carried) = flatten::extend(&disk, self.prolonged(chart, &faces, &disk)) {
-            match flatten::untangle(&disk, carried) {
-                Err(flipped) => trouble = flipped.iter().map(|&f| faces[f as usize]).collect(),
-                Ok(mended) => {
-                    let mut uv = flatten::relax(&disk, mended, sweeps, &self.run.cancel)?;
-                    if !fits(&uv) {
-                        uv = self.descended(&disk, &uv, false)?;
-                    }
-                    if !is_sound(&uv) {
-                        let at = flatten::touching(&border, &uv, self.clearance);
-                        let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
-                        let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
-                        trouble = own.map(|(&f, _)| f).collect();
-                        let gap = (GAP * border_edge(&border, &uv)).max(2.0 * self.clearance);
-                        strained = flatten::separate(&disk, uv, &border, gap).filter(is_sound);
-                    } else {
-                        strained = Some(uv);
-                    }
-                    found = strained.clone().filter(fits).map(|uv| (uv, StartKind::Prolonged));
-                }
-            }
+        let patch = Patch { chart, border: Border::of(&disk), faces, disk, most, sweeps };
+        let (mut best, trouble) = match self.carried(&patch)? {
+            Ok(uv) => (Some((uv, StartKind::Prolonged)), Vec::new()),
+            Err(trouble) => (None, trouble),
+        };
+        if last && best.as_ref().is_none_or(|(uv, _)| !patch.fits(uv)) {
+            let ways = best.into_iter().chain(self.classical(&patch)?);
+            best = ways.min_by(|a, b| patch.excess(&a.0).total_cmp(&patch.excess(&b.0)));
         }
-        if found.is_none() && last {
-            let (start, kind) = flatten::start_map(&disk);
-            let relaxed = flatten::relax(&disk, start.clone(), sweeps, &self.run.cancel)?;
-            let mut ways = vec![(relaxed, kind.into()), (start, kind.into())];
-            ways.extend(strained.map(|uv| (uv, StartKind::Prolonged)));
-            ways.retain(|(uv, _)| is_sound(uv));
-            ways.sort_by(|a, b| excess(&a.0).total_cmp(&excess(&b.0)));
-            found = ways.into_iter().next();
-        }
-        if let Some((uv, _)) = &mut found {
-            let polished = self.descended(&disk, uv, true)?;
-            if is_sound(&polished) {
-                *uv = polished;
-            }
-        }
-        found = found.filter(|(uv, _)| excess(uv) <= if last { STRAINED } else { most });
+        let most = if last { STRAINED } else { patch.most };
+        let best = best.filter(|(uv, _)| patch.excess(uv) <= most);
         let made = |(uv, start_kind): (UvMap, StartKind)| {
-            let uv = flatten::rescale(&disk, uv);
+            let uv = flatten::rescale(&patch.disk, uv);
             Chart {
                 part: chart.part,
                 shape: chart.shape.clone(),
                 start: uv.clone(),
                 cut_map: uv,
                 start_kind,
-                faces,
+                faces: patch.faces,
                 vertices,
-                disk: disk.clone(),
+                disk: patch.disk,
             }
         };
-        Ok(found.map(made).ok_or(trouble))
+        Ok(best.map(made).ok_or(trouble))
+    }
+
+    fn is_sound(&self, patch: &Patch, uv: &UvMap) -> bool {
+        charts::is_sound_within(&patch.border, &patch.disk, uv, self.clearance)
+    }
+
+    /// The proxy's map carried over, proved and polished, or the faces of the surface at which that fails.
+    fn carried(&self, patch: &Patch) -> Result<Result<UvMap, Vec<u32>>, Canceled> {
+        let Patch { chart, faces, disk, border, .. } = patch;
+        let Some(carried) = flatten::extend(disk, self.prolonged(chart, faces, disk)) else {
+            return Ok(Err(Vec::new()));
+        };
+        let mended = match flatten::untangle(disk, carried) {
+            Ok(mended) => mended,
+            Err(flipped) => return Ok(Err(flipped.iter().map(|&f| faces[f as usize]).collect())),
+        };
+        let mut uv = flatten::relax(disk, mended, patch.sweeps, &self.run.cancel)?;
+        if !patch.fits(&uv) {
+            uv = self.descended(disk, &uv, false)?;
+        }
+        if !self.is_sound(patch, &uv) {
+            let at = flatten::touching(border, &uv, self.clearance);
+            let gap = (GAP * border_edge(border, &uv)).max(2.0 * self.clearance);
+            let apart = flatten::separate(disk, uv, border, gap);
+            let Some(apart) = apart.filter(|uv| self.is_sound(patch, uv)) else {
+                let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
+                let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
+                return Ok(Err(own.map(|(&f, _)| f).collect()));
+            };
+            uv = apart;
+        }
+        Ok(Ok(self.polished(patch, uv)?))
+    }
+
+    /// The classical start, relaxed or as it is, where it is proved, polished.
+    fn classical(&self, patch: &Patch) -> Result<Option<(UvMap, StartKind)>, Canceled> {
+        let (start, kind) = flatten::start_map(&patch.disk);
+        let relaxed = flatten::relax(&patch.disk, start.clone(), patch.sweeps, &self.run.cancel)?;
+        let sound = [relaxed, start].into_iter().find(|uv| self.is_sound(patch, uv));
+        sound.map(|uv| Ok((self.polished(patch, uv)?, kind.into()))).transpose()
+    }
+
+    /// A sound map after a descent, where it stays sound.
+    fn polished(&self, patch: &Patch, uv: UvMap) -> Result<UvMap, Canceled> {
+        let polished = self.descended(&patch.disk, &uv, true)?;
+        Ok(if self.is_sound(patch, &polished) { polished } else { uv })
     }
 
     /// Newton steps, as many as there are in so much work. `keep_simple`: whether the border may not come to touch

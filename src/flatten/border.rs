@@ -25,7 +25,7 @@ impl Border {
 
     /// The border of triangles over `vertices` vertices.
     pub fn of_triangles(triangles: &[[u32; 3]], vertices: usize) -> Self {
-        let (twins, edges, mut manifold) = twins(triangles);
+        let (twins, edges, mut manifold) = twins(triangles, vertices);
         let mut used = vec![false; vertices];
         triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         let count = used.iter().filter(|&&u| u).count();
@@ -71,27 +71,38 @@ pub fn is_disk(disk: &Disk) -> bool {
 
 /// The half-edge on the other side of each half-edge, how many edges there are, and whether all
 /// are manifold and consistently wound.
-fn twins(triangles: &[[u32; 3]]) -> (Vec<Option<u32>>, usize, bool) {
-    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(triangles.len() * 3);
-    for (f, t) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            edges.push((a.min(b), a.max(b), (3 * f + k) as u32));
-        }
+fn twins(triangles: &[[u32; 3]], vertices: usize) -> (Vec<Option<u32>>, usize, bool) {
+    let ends = |h: u32| {
+        let (t, k) = (&triangles[h as usize / 3], h as usize % 3);
+        (t[k], t[(k + 1) % 3])
+    };
+    let half_edges = 0..3 * triangles.len() as u32;
+    // Edges by their lower vertex: those of v are `edges[starts[v]..starts[v + 1]]`, with the higher one.
+    let mut starts = vec![0u32; vertices + 1];
+    let lower = |h: u32| ends(h).0.min(ends(h).1) as usize;
+    half_edges.clone().for_each(|h| starts[lower(h) + 1] += 1);
+    (0..vertices).for_each(|v| starts[v + 1] += starts[v]);
+    let (mut fill, mut edges) = (starts.clone(), vec![(0, 0); half_edges.len()]);
+    for h in half_edges {
+        let at = &mut fill[lower(h)];
+        edges[*at as usize] = (ends(h).0.max(ends(h).1), h);
+        *at += 1;
     }
-    edges.sort_unstable();
     let mut twins = vec![None; edges.len()];
     let (mut count, mut manifold) = (0, true);
-    for run in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-        count += 1;
-        let from = |h: u32| triangles[h as usize / 3][h as usize % 3];
-        match run {
-            [one] => manifold &= one.0 != one.1,
-            [one, two] if from(one.2) != from(two.2) => {
-                twins[one.2 as usize] = Some(two.2);
-                twins[two.2 as usize] = Some(one.2);
+    for v in 0..vertices {
+        let of_vertex = &mut edges[starts[v] as usize..starts[v + 1] as usize];
+        of_vertex.sort_unstable();
+        for run in of_vertex.chunk_by(|x, y| x.0 == y.0) {
+            count += 1;
+            match run {
+                [one] => manifold &= one.0 as usize != v,
+                [one, two] if ends(one.1).0 != ends(two.1).0 => {
+                    twins[one.1 as usize] = Some(two.1);
+                    twins[two.1 as usize] = Some(one.1);
+                }
+                _ => manifold = false,
             }
-            _ => manifold = false,
         }
     }
     (twins, count, manifold)

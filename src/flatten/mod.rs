@@ -43,8 +43,8 @@ pub use injective::{
     orientation, segments_meet,
 };
 pub use jacobian::{
-    MapQuality, quality, rescale, rescale_optimally, scale, singular_values, symmetric_dirichlet,
-    symmetric_dirichlet_gradient,
+    MapQuality, mean_energy, quality, rescale, rescale_optimally, scale, singular_values,
+    symmetric_dirichlet, symmetric_dirichlet_gradient,
 };
 pub use lscm::lscm;
 pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};

@@ -79,9 +79,13 @@ pub fn from_scratch(
 
 /// Whether a map is proved injective and its border keeps clear of itself.
 pub fn is_sound(disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
-    let border = Border::of(disk);
-    flatten::certify_within(&border, disk, uv).is_injective()
-        && flatten::is_clear(&border, uv, clearance)
+    is_sound_within(&Border::of(disk), disk, uv, clearance)
+}
+
+/// Like [`is_sound`], for a disk whose border is known.
+pub fn is_sound_within(border: &Border, disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
+    flatten::certify_within(border, disk, uv).is_injective()
+        && flatten::is_clear(border, uv, clearance)
 }
 
 fn descend(

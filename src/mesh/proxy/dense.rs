@@ -32,10 +32,14 @@ impl Dense {
         let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| corners[f as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let local = |v: u32| vertices.binary_search(&v).unwrap_or(0) as u32;
+        let (vertex, face) = (Numbers::of(&vertices), Numbers::of(&faces));
+        let local = |v: u32| vertex.get(v);
         let across = |h: u32| match surface.twin[h as usize] {
             NONE => NONE,
-            t => faces.binary_search(&(t / 3)).map_or(NONE, |g| 3 * g as u32 + t % 3),
+            t => match face.get(t / 3) {
+                NONE => NONE,
+                g => 3 * g + t % 3,
+            },
         };
         let half_edges = || faces.iter().flat_map(|&f| 3 * f..3 * f + 3);
         // Quadrics are exact only near the origin, and costs are kept in single precision: a power of two
@@ -54,6 +58,28 @@ impl Dense {
         collapsed.sheet.positions.iter_mut().for_each(|p| *p = *p * unit + centre);
         run.cancel.check()?;
         Ok(Self { faces, vertices, collapsed, face, places })
+    }
+}
+
+/// The place of each of some numbers among them. A search for each would take most of the time.
+struct Numbers {
+    first: u32,
+    place: Vec<u32>,
+}
+
+impl Numbers {
+    /// Of ascending numbers.
+    fn of(numbers: &[u32]) -> Self {
+        let first = numbers.first().copied().unwrap_or(0);
+        let span = numbers.last().map_or(0, |last| last - first + 1);
+        let mut place = vec![NONE; span as usize];
+        (0u32..).zip(numbers).for_each(|(i, &n)| place[(n - first) as usize] = i);
+        Self { first, place }
+    }
+    /// Where a number is, [`NONE`] where it is not.
+    fn get(&self, number: u32) -> u32 {
+        let at = number.checked_sub(self.first).and_then(|at| self.place.get(at as usize));
+        at.copied().unwrap_or(NONE)
     }
 }
 
