@@ -122,7 +122,7 @@ impl<'a, S: Seams> Band<'a, S> {
         if g == h { [a, b] } else { [g, h] }
     }
 
-    /// A seam that may move: one of a dense component that runs on no curve.
+    /// A seam that may move: one of a dense component that runs on no curve, nor between faces that are held.
     fn is_free_seam(&self, h: u32) -> bool {
         let t = self.fine.twin[h as usize];
         self.is_seam(h)

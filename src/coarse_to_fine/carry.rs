@@ -97,7 +97,8 @@ impl<'a> Carrier<'a> {
     /// Carry all charts; the `last` time none is left.
     pub fn carry(&mut self, last: bool) -> Result<(), Canceled> {
         let all = vec![true; self.coarse.len()];
-        self.refined = self.refine(&all, false, last)?;
+        self.refined =
+            self.refine(&all, false, last)?.into_iter().map(|(_, refined)| refined).collect();
         if last {
             return Ok(());
         }
@@ -149,9 +150,12 @@ impl<'a> Carrier<'a> {
             }
         }
         let refined = self.refine(&changed, way == Way::Peeled, false)?;
-        let still = refined.iter().filter(|refined| refined.is_err()).count();
+        // Every chart that failed is among them.
+        let still = refined.iter().filter(|(_, refined)| refined.is_err()).count();
         if still < failed {
-            self.refined = refined;
+            for (chart, refined) in refined {
+                self.refined[chart] = refined;
+            }
         } else {
             self.band.labels = before;
         }
@@ -189,15 +193,19 @@ impl<'a> Carrier<'a> {
         let mut faces = vec![0usize; self.coarse.len()];
         let labels = self.band.labels.iter().filter(|l| **l != NONE);
         labels.for_each(|&l| faces[self.pieces.chart[l as usize] as usize] += 1);
-        let few = |(number, refined): (usize, &'_ Refined)| match refined {
-            Err(at) if at.len() as f64 <= IN_WAY * faces[number] as f64 => at.clone(),
-            _ => Vec::new(),
-        };
-        self.refined.iter().enumerate().flat_map(few).collect()
+        let trouble =
+            self.refined.iter().zip(faces).filter_map(|(r, n)| Some((r.as_ref().err()?, n)));
+        let few = trouble.filter(|(at, faces)| at.len() as f64 <= IN_WAY * *faces as f64);
+        few.flat_map(|(at, _)| at.iter().copied()).collect()
     }
 
-    /// Some charts with the labels as they are, the others as they were.
-    fn refine(&self, which: &[bool], peel: bool, last: bool) -> Result<Vec<Refined>, Canceled> {
+    /// What becomes of some charts with the labels as they are, with their numbers.
+    fn refine(
+        &self,
+        which: &[bool],
+        peel: bool,
+        last: bool,
+    ) -> Result<Vec<(usize, Refined)>, Canceled> {
         self.run.cancel.check()?;
         let Surfaces { fine, proxy, .. } = self.surfaces;
         let labels = &self.band.labels;
@@ -211,12 +219,13 @@ impl<'a> Carrier<'a> {
         let clearance = charts::clearance(fine);
         let (pieces, options, run) = (self.pieces, self.options, self.run);
         let refiner = Refiner { fine, proxy, pieces, labels, options, clearance, run };
-        let work = self.coarse.par_iter().zip(&self.refined).zip(which).zip(faces);
-        work.map(|(((chart, before), &again), faces)| match again {
-            true => refiner.refine(chart, faces, peel, last),
-            false => Ok(before.clone()),
-        })
-        .collect()
+        let work: Vec<(usize, Vec<u32>)> =
+            faces.into_iter().enumerate().filter(|(chart, _)| which[*chart]).collect();
+        work.into_par_iter()
+            .map(|(chart, faces)| {
+                Ok((chart, refiner.refine(&self.coarse[chart], faces, peel, last)?))
+            })
+            .collect()
     }
 }
 

@@ -48,7 +48,7 @@ fn border_edge(border: &Border, uv: &UvMap) -> f64 {
 }
 
 /// A piece of a fine chart that is to be mapped.
-struct Patch<'a> {
+struct Unmapped<'a> {
     /// The proxy's chart.
     chart: &'a Chart,
     /// Faces of the surface, ascending.
@@ -61,7 +61,7 @@ struct Patch<'a> {
     sweeps: u32,
 }
 
-impl Patch<'_> {
+impl Unmapped<'_> {
     fn excess(&self, uv: &UvMap) -> f64 {
         flatten::mean_energy(&self.disk, uv) - 1.0
     }
@@ -87,40 +87,40 @@ impl Refiner<'_> {
         let floor = self.noise_floor(&faces, &disk);
         let most = self.options.distortion_bound.max(reached) + FLOORS * floor + MOVED;
         let sweeps = (SWEPT / faces.len().max(1)).clamp(SWEEPS[0], SWEEPS[1]) as u32;
-        let patch = Patch { chart, border: Border::of(&disk), faces, disk, most, sweeps };
-        let (mut best, trouble) = match self.carried(&patch)? {
+        let unmapped = Unmapped { chart, border: Border::of(&disk), faces, disk, most, sweeps };
+        let (mut best, trouble) = match self.carried(&unmapped)? {
             Ok(uv) => (Some((uv, StartKind::Prolonged)), Vec::new()),
             Err(trouble) => (None, trouble),
         };
-        if last && best.as_ref().is_none_or(|(uv, _)| !patch.fits(uv)) {
-            let ways = best.into_iter().chain(self.classical(&patch)?);
-            best = ways.min_by(|a, b| patch.excess(&a.0).total_cmp(&patch.excess(&b.0)));
+        if last && best.as_ref().is_none_or(|(uv, _)| !unmapped.fits(uv)) {
+            let ways = best.into_iter().chain(self.classical(&unmapped)?);
+            best = ways.min_by(|a, b| unmapped.excess(&a.0).total_cmp(&unmapped.excess(&b.0)));
         }
-        let most = if last { STRAINED } else { patch.most };
-        let best = best.filter(|(uv, _)| patch.excess(uv) <= most);
+        let most = if last { STRAINED } else { unmapped.most };
+        let best = best.filter(|(uv, _)| unmapped.excess(uv) <= most);
         let made = |(uv, start_kind): (UvMap, StartKind)| {
-            let uv = flatten::rescale(&patch.disk, uv);
+            let uv = flatten::rescale(&unmapped.disk, uv);
             Chart {
                 part: chart.part,
                 shape: chart.shape.clone(),
                 start: uv.clone(),
                 cut_map: uv,
                 start_kind,
-                faces: patch.faces,
+                faces: unmapped.faces,
                 vertices,
-                disk: patch.disk,
+                disk: unmapped.disk,
             }
         };
         Ok(best.map(made).ok_or(trouble))
     }
 
-    fn is_sound(&self, patch: &Patch, uv: &UvMap) -> bool {
-        charts::is_sound_within(&patch.border, &patch.disk, uv, self.clearance)
+    fn is_sound(&self, unmapped: &Unmapped, uv: &UvMap) -> bool {
+        charts::is_sound_within(&unmapped.border, &unmapped.disk, uv, self.clearance)
     }
 
     /// The proxy's map carried over, proved and polished, or the faces of the surface at which that fails.
-    fn carried(&self, patch: &Patch) -> Result<Result<UvMap, Vec<u32>>, Canceled> {
-        let Patch { chart, faces, disk, border, .. } = patch;
+    fn carried(&self, unmapped: &Unmapped) -> Result<Result<UvMap, Vec<u32>>, Canceled> {
+        let Unmapped { chart, faces, disk, border, .. } = unmapped;
         let Some(carried) = flatten::extend(disk, self.prolonged(chart, faces, disk)) else {
             return Ok(Err(Vec::new()));
         };
@@ -128,36 +128,37 @@ impl Refiner<'_> {
             Ok(mended) => mended,
             Err(flipped) => return Ok(Err(flipped.iter().map(|&f| faces[f as usize]).collect())),
         };
-        let mut uv = flatten::relax(disk, mended, patch.sweeps, &self.run.cancel)?;
-        if !patch.fits(&uv) {
+        let mut uv = flatten::relax(disk, mended, unmapped.sweeps, &self.run.cancel)?;
+        if !unmapped.fits(&uv) {
             uv = self.descended(disk, &uv, false)?;
         }
-        if !self.is_sound(patch, &uv) {
+        if !self.is_sound(unmapped, &uv) {
             let at = flatten::touching(border, &uv, self.clearance);
             let gap = (GAP * border_edge(border, &uv)).max(2.0 * self.clearance);
             let apart = flatten::separate(disk, uv, border, gap);
-            let Some(apart) = apart.filter(|uv| self.is_sound(patch, uv)) else {
+            let Some(apart) = apart.filter(|uv| self.is_sound(unmapped, uv)) else {
                 let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
                 let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
                 return Ok(Err(own.map(|(&f, _)| f).collect()));
             };
             uv = apart;
         }
-        Ok(Ok(self.polished(patch, uv)?))
+        Ok(Ok(self.polished(unmapped, uv)?))
     }
 
     /// The classical start, relaxed or as it is, where it is proved, polished.
-    fn classical(&self, patch: &Patch) -> Result<Option<(UvMap, StartKind)>, Canceled> {
-        let (start, kind) = flatten::start_map(&patch.disk);
-        let relaxed = flatten::relax(&patch.disk, start.clone(), patch.sweeps, &self.run.cancel)?;
-        let sound = [relaxed, start].into_iter().find(|uv| self.is_sound(patch, uv));
-        sound.map(|uv| Ok((self.polished(patch, uv)?, kind.into()))).transpose()
+    fn classical(&self, unmapped: &Unmapped) -> Result<Option<(UvMap, StartKind)>, Canceled> {
+        let (start, kind) = flatten::start_map(&unmapped.disk);
+        let relaxed =
+            flatten::relax(&unmapped.disk, start.clone(), unmapped.sweeps, &self.run.cancel)?;
+        let sound = [relaxed, start].into_iter().find(|uv| self.is_sound(unmapped, uv));
+        sound.map(|uv| Ok((self.polished(unmapped, uv)?, kind.into()))).transpose()
     }
 
     /// A sound map after a descent, where it stays sound.
-    fn polished(&self, patch: &Patch, uv: UvMap) -> Result<UvMap, Canceled> {
-        let polished = self.descended(&patch.disk, &uv, true)?;
-        Ok(if self.is_sound(patch, &polished) { polished } else { uv })
+    fn polished(&self, unmapped: &Unmapped, uv: UvMap) -> Result<UvMap, Canceled> {
+        let polished = self.descended(&unmapped.disk, &uv, true)?;
+        Ok(if self.is_sound(unmapped, &polished) { polished } else { uv })
     }
 
     /// Newton steps, as many as there are in so much work. `keep_simple`: whether the border may not come to touch

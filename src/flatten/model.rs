@@ -6,6 +6,9 @@ use glam::{DMat2, DVec2};
 
 use super::jacobian::singular_values;
 
+/// Stiffnesses are kept below this, so that a triangle near collapse does not overflow.
+const LARGEST: f64 = 1e24;
+
 /// The direction at half the angle of a unit vector.
 fn half(u: DVec2) -> DVec2 {
     // Each half plane by the root that loses no digits.
@@ -13,9 +16,6 @@ fn half(u: DVec2) -> DVec2 {
     let short = 0.5 * u.y / long;
     if u.x >= 0.0 { DVec2::new(long, short) } else { DVec2::new(short.abs(), long.copysign(u.y)) }
 }
-
-/// Stiffnesses are kept below this, so that a triangle near collapse does not overflow.
-const LARGEST: f64 = 1e24;
 
 /// Second derivative of a model by the Jacobian.
 pub(super) struct Model {

@@ -35,7 +35,7 @@ pub struct FaceOrigin {
 /// A conditioned triangle surface.
 #[derive(Debug, Clone, Default)]
 pub struct Surface {
-    /// Welded vertex positions, world units.
+    /// Welded vertex positions, world units; from a corner of the object where it lies far from the origin.
     pub positions: Vec<DVec3>,
     /// Welded vertex triples, consistently wound. Length: faces.
     pub triangles: Vec<[u32; 3]>,

@@ -8,7 +8,7 @@
 mod certify;
 mod charting;
 mod choice;
-mod dense;
+mod dense_components;
 mod densities;
 mod effort;
 mod engine;

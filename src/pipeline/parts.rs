@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::dense::Dense;
+use super::dense_components::DenseComponents;
 use super::densities::densities;
 use super::engine::Engine;
 use super::error::Cause;
@@ -32,7 +32,7 @@ pub struct Found {
     /// Texel density of each part relative to the others.
     pub densities: Vec<f64>,
     /// Its dense components.
-    pub dense: Dense,
+    pub dense: DenseComponents,
 }
 
 /// What the solvers see: the surface that is cut, its samples, and the parts on it.
@@ -112,7 +112,7 @@ pub fn find(
     // What is dense is looked at and cut as a coarser surface that stands for it.
     let size = ProxySize::default();
     let proxy = mesh::proxy(&surface, size, run)?;
-    let dense = Dense::of(&surface, proxy.as_ref(), size);
+    let dense = DenseComponents::of(&surface, proxy.as_ref(), size);
     let seen = proxy.as_ref().map_or(&surface, |proxy| &proxy.surface).clone();
     run.stage(Stage::Sample)?;
     let counts = SampleCounts::dense(seen.face_count());

@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use crate::contract::Run;
     use crate::mesh::{Scene, condition};
-    use crate::pipeline::dense::Dense;
+    use crate::pipeline::dense_components::DenseComponents;
     use crate::segmentation::{Part, PartLabels};
 
     /// A square of 20 × 20 cells in two halves, parts 0 and 2, of which part 1 has a cell of the first.
@@ -158,7 +158,7 @@ mod tests {
             },
             densities: vec![1.0; 3],
             weights: None,
-            dense: Dense::default(),
+            dense: DenseComponents::default(),
             surface: surface.into(),
         }
     }

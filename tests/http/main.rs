@@ -5,6 +5,8 @@ mod artifacts;
 mod bad_input;
 mod demo;
 mod events;
+#[path = "../shared/glb.rs"]
+mod glb;
 mod jobs;
 mod meshes;
 mod same_bytes;

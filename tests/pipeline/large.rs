@@ -6,6 +6,7 @@ use uvsegnet::contract::{
 use uvsegnet::device::Device;
 use uvsegnet::pipeline::{Engine, Input, unwrap_input};
 
+use super::glb::glb;
 use super::kind_of;
 
 /// Memory of a job by default, MiB.
@@ -29,7 +30,7 @@ fn torus(n: u32) -> Vec<u8> {
             [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| vertex(i, j));
         [a, b, c, a, c, d].into_iter().for_each(|v| bin.extend(v.to_le_bytes()));
     }
-    let json = serde_json::json!({
+    let document = serde_json::json!({
         "asset": { "version": "2.0" },
         "buffers": [{ "byteLength": bin.len() }],
         "bufferViews": [
@@ -46,16 +47,7 @@ fn torus(n: u32) -> Vec<u8> {
         "scenes": [{ "nodes": [0] }],
         "scene": 0,
     });
-    let mut json = json.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut glb = b"glTF".to_vec();
-    let chunk =
-        |kind: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_le_bytes()[..], kind, data].concat();
-    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &bin)].concat();
-    for word in [2, 12 + chunks.len() as u32] {
-        glb.extend(word.to_le_bytes());
-    }
-    [glb, chunks].concat()
+    glb(&document, &bin)
 }
 
 #[test]

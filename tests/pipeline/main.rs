@@ -5,6 +5,8 @@ mod benchmarks;
 mod best;
 mod budget;
 mod certificate;
+#[path = "../shared/glb.rs"]
+mod glb;
 mod large;
 mod maps;
 mod metrics;

@@ -1,7 +1,7 @@
 //! Which components are dense, and how those that were cut by their proxies came by their charts
 //! (docs/coarse_to_fine.md): what the metrics say of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::maps::Mapped;
 use crate::charts::StartKind;
@@ -10,14 +10,14 @@ use crate::mesh::{NONE, Proxy, ProxySize, Surface};
 
 /// The dense components of a surface.
 #[derive(Debug, Clone, Default)]
-pub struct Dense {
+pub struct DenseComponents {
     /// Whether each face belongs to one that was cut by its proxy; empty where none was.
     by_proxy: Vec<bool>,
     components: u32,
     as_they_are: u32,
 }
 
-impl Dense {
+impl DenseComponents {
     /// Those of a surface, of which some have a proxy.
     pub fn of(surface: &Surface, proxy: Option<&Proxy>, size: ProxySize) -> Self {
         if surface.face_count() <= size.dense {
@@ -34,9 +34,9 @@ impl Dense {
             Some(proxy) => proxy.face.iter().map(|&face| collapsed(proxy, face)).collect(),
             None => Vec::new(),
         };
-        let has_proxy =
-            |root: u32| roots.iter().zip(&by_proxy).any(|(&of, &by_proxy)| of == root && by_proxy);
-        let components = faces.keys().filter(|&&root| has_proxy(root)).count();
+        let with_proxy: BTreeSet<u32> =
+            roots.iter().zip(&by_proxy).filter(|(_, by)| **by).map(|(&root, _)| root).collect();
+        let components = faces.keys().filter(|root| with_proxy.contains(root)).count();
         let as_they_are = (faces.len() - components) as u32;
         Self { by_proxy, components: components as u32, as_they_are }
     }
