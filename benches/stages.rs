@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use uvsegnet::atlas::{self, Atlas, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use uvsegnet::charts::boundary::BoundaryFeatures;
 use uvsegnet::charts::{self, Chart, ChartOptions};
-use uvsegnet::contract::{Limits, MeshKind, Run, UnwrapOptions};
+use uvsegnet::contract::{Limits, MeshKind, Run, UnwrapOptions, Winding};
 use uvsegnet::device::Device;
 use uvsegnet::flatten::{self, SlimOptions, UvMap};
-use uvsegnet::mesh::{self, NONE, Scene, Surface, export};
+use uvsegnet::mesh::{self, Conditioned, NONE, Scene, Surface, export};
 use uvsegnet::metrics::{self, Measured, MeasuredFigures};
 use uvsegnet::parameterization::{self, TrainChart, TrainOptions, TrainedChart};
 use uvsegnet::preview;
@@ -54,7 +54,7 @@ impl Job {
         let path = format!("{}/examples/{name}.glb", env!("CARGO_MANIFEST_DIR"));
         let bytes = std::fs::read(path).expect("the samples are in the tree");
         let scene = import(&bytes);
-        let surface = condition(&scene);
+        let Conditioned { surface, telling } = condition(&scene);
         let cloud = sample(&surface);
         let parts = segment(&surface, &cloud);
         let charts = cut(&surface, &parts);
@@ -69,9 +69,10 @@ impl Job {
                 uvs[f as usize] = triangle.map(|v| uv[v as usize].as_vec2().to_array());
             }
         }
-        let mut file_uvs = vec![[[0.0; 2]; 3]; surface.face_count()];
-        for f in (0..surface.face_count()).filter(|&f| chart_of[f] != NONE) {
-            (0..3).for_each(|k| file_uvs[f][surface.file_corner(f, k)] = uvs[f][k]);
+        let mut file_uvs = vec![[[0.0; 2]; 3]; telling.face.len()];
+        for (i, &f) in telling.face.iter().enumerate().filter(|(_, f)| **f != NONE) {
+            let corner = |k| telling.corner(&surface, i, k);
+            file_uvs[i] = [0, 1, 2].map(|k| uvs[f as usize][corner(k)]);
         }
         Self {
             bytes,
@@ -110,8 +111,8 @@ fn import(bytes: &[u8]) -> Scene {
     mesh::import(bytes, MeshKind::Glb, &Limits::default()).expect("samples are sound")
 }
 
-fn condition(scene: &Scene) -> Surface {
-    mesh::condition(scene, &Run::quiet()).expect("samples are sound")
+fn condition(scene: &Scene) -> Conditioned {
+    mesh::condition(scene, Winding::Surface, &Run::quiet()).expect("samples are sound")
 }
 
 fn sample(surface: &Surface) -> PointCloud {

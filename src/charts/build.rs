@@ -95,18 +95,18 @@ pub fn build_jointly(
     let count = part_of.iter().filter(|&&p| p != NONE).max().map_or(0, |&p| p as usize + 1);
     let mut faces = vec![Vec::new(); count];
     for (f, &p) in part_of.iter().enumerate() {
-        if p != NONE && surface.usable[f] {
+        if p != NONE {
             faces[p as usize].push(f as u32);
         }
     }
     let limits = ChartLimits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let seen = visibility.as_deref();
-    let usable = surface.usable.iter().filter(|&&u| u).count();
-    let restarts = (RESTARTS * RESTARTED_FACES / usable.max(1)).min(RESTARTS) as u64;
+    let all = surface.face_count();
+    let restarts = (RESTARTS * RESTARTED_FACES / all.max(1)).min(RESTARTS) as u64;
     // Training the seams was the first half.
     let from = if openness.is_some() { 0.5 } else { 0.0 };
-    let steps = Some(run.steps(STEPS * usable, from, 1.0));
+    let steps = Some(run.steps(STEPS * all, from, 1.0));
     let cutter = Cutter { surface, seen, openness, restarts, limits: &limits, run, steps };
     let parts: Result<Vec<Built>, Canceled> = faces
         .into_par_iter()

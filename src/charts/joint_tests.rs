@@ -48,10 +48,15 @@ fn a_box_is_joined_where_a_soft_map_has_closed_it() {
     let limits = ChartLimits { waste: 9.0, length: 99.0, ..ChartLimits::new(&s, 0.01) };
     let mesh = PartMesh::new(&s, (0..12).collect());
     // Two nets: a strip of the four sides around an axis, with a cap on its first and on its last. Sides
-    // of the box are those of `solid_box`: −x, +x, −y, +y, −z, +z.
+    // of the box: −x, +x, −y, +y, −z, +z.
+    let side = |h: u32| {
+        let normal = s.normals[h as usize / 3].to_array();
+        (0..6).find(|k| normal[k / 2] == if k % 2 == 0 { -1.0 } else { 1.0 })
+    };
     for strip in [[0, 2, 4, 3, 5, 1], [4, 0, 2, 1, 3, 5]] {
         let closed = |h: u32| {
-            let [a, b] = [h, s.twin[h as usize]].map(|h| strip.iter().position(|&k| k == h / 6));
+            let [a, b] =
+                [h, s.twin[h as usize]].map(|h| strip.iter().position(|&k| Some(k) == side(h)));
             a.zip(b).is_some_and(|(a, b)| a.abs_diff(b) == 1)
         };
         let edges = |of: &dyn Fn(u32) -> bool| -> Vec<u32> {

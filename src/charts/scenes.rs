@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
-use crate::contract::Run;
+use crate::contract::{Run, Winding};
 use crate::mesh::{Scene, Surface, condition};
 
 /// A conditioned surface; vertices at one place are one.
 pub fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
-    condition(&Scene::from_triangles(positions, triangles), &Run::quiet()).unwrap()
+    let scene = Scene::from_triangles(positions, triangles);
+    condition(&scene, Winding::Surface, &Run::quiet()).unwrap().surface
 }
 
 /// Quads as two triangles each.

@@ -35,7 +35,7 @@ const DIVIDED: u32 = 3;
 /// Labels of the proxy's faces carried to the fine faces. Where the caller gave labels, they end where those
 /// do.
 pub fn labels(fine: &Surface, proxy: &Proxy, of_proxy: &[u32]) -> Vec<u32> {
-    let carried = proxy.face.iter().map(|&f| if f == NONE { NONE } else { of_proxy[f as usize] });
+    let carried = proxy.face.iter().map(|&f| of_proxy[f as usize]);
     let mut band = Band::new(fine, proxy, &Plain, carried.collect(), None);
     settle(&mut band);
     band.labels

@@ -7,11 +7,16 @@ use glam::{DVec2, DVec3};
 use super::carry::spread;
 use super::*;
 use crate::charts;
+use crate::contract::Winding;
 use crate::device::Seeded;
 use crate::flatten::quality;
 use crate::mesh::{ProxySize, Scene, condition, proxy};
 
 const SIZE: ProxySize = ProxySize { dense: 4_000, coarse: 1_500 };
+
+fn conditioned(scene: &Scene) -> Surface {
+    condition(scene, Winding::Surface, &Run::quiet()).unwrap().surface
+}
 
 /// A grid of `m` × `n` cells wrapped round both ways or one, its vertices shaken by so many mean edges.
 fn wrapped(m: u32, n: u32, closed: bool, noise: f64, at: impl Fn(f64, f64) -> DVec3) -> Surface {
@@ -31,7 +36,7 @@ fn wrapped(m: u32, n: u32, closed: bool, noise: f64, at: impl Fn(f64, f64) -> DV
             [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| vertex(i, j));
         [[a, b, c], [a, c, d]]
     });
-    condition(&Scene::from_triangles(positions, faces.collect()), &Run::quiet()).unwrap()
+    conditioned(&Scene::from_triangles(positions, faces.collect()))
 }
 
 fn torus(noise: f64) -> Surface {
@@ -103,11 +108,14 @@ fn what_is_not_dense_stays_as_it_was_cut() {
     let base = (positions.len() - 800) as u32;
     let plate: Vec<[u32; 3]> = plate.triangles.iter().map(|t| t.map(|v| v + base)).collect();
     let faces = [torus.triangles, plate].concat();
-    let fine = condition(&Scene::from_triangles(positions, faces), &Run::quiet()).unwrap();
+    let fine = conditioned(&Scene::from_triangles(positions, faces));
     let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01 });
     let proxy = proxy(&fine, SIZE, &run).unwrap().unwrap();
     // The halves end in a zigzag that no cut would leave.
-    let ends = |f: u32| if f < 12_000 { 0 } else { 1 + u32::from(f % 4 > 1) };
+    let ends = |f: u32| match fine.origins[f as usize].face {
+        f if f < 12_000 => 0,
+        f => 1 + u32::from(f % 4 > 1),
+    };
     let coarse: Vec<u32> = proxy.left_of.iter().map(|&f| ends(f)).collect();
     let carried = labels(&fine, &proxy, &coarse);
     assert_eq!(carried, (0..fine.face_count() as u32).map(ends).collect::<Vec<_>>());

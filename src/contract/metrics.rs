@@ -4,7 +4,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Certificate, ChartForm, Figures, SegmentationSource, ShapeKind, StartKind, Warning};
+use super::{
+    Certificate, ChartForm, Figures, Repairs, SegmentationSource, ShapeKind, StartKind, Warning,
+};
 
 /// Covered share of the full square page.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
@@ -215,30 +217,6 @@ pub struct CoarseToFine {
     /// Share of their area in charts that were carried back; null where there is none.
     #[schema(required)]
     pub carried_area: Option<f64>,
-}
-
-/// What conditioning repaired, for the solvers only: the file keeps its geometry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-pub struct Repairs {
-    /// Vertices merged with another at the same place.
-    pub welded: u64,
-    /// Faces without area.
-    pub zero_area_faces: u64,
-    /// Edges with more than two faces.
-    pub nonmanifold_edges: u64,
-    /// Vertices where several fans met, taken apart.
-    pub split_vertices: u64,
-    /// Faces whose winding disagreed with their neighbours'.
-    pub reoriented_faces: u64,
-    /// Faces that stand twice, with both windings.
-    pub double_sided_faces: u64,
-    /// Faces at the same place as another with the same winding: copies, one less than stand there.
-    #[serde(default)]
-    pub duplicate_faces: u64,
-    /// Faces with more texels than their part's density asks for, since single precision would flatten
-    /// them.
-    #[serde(default)]
-    pub enlarged_faces: u64,
 }
 
 /// Time of one stage.

@@ -19,6 +19,7 @@ mod option_table;
 mod option_values;
 mod options;
 mod progress;
+mod repairs;
 mod run;
 mod warning;
 
@@ -37,8 +38,10 @@ pub use metrics::*;
 pub use option_table::{OptionGroup, OptionInfo};
 pub use option_values::{
     AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
+    Winding,
 };
 pub use options::{OptionError, UnwrapOptions};
 pub use progress::{Progress, Stage};
+pub use repairs::{FirstFaces, Repairs};
 pub use run::{Run, Steps};
 pub use warning::{Warning, WarningCode};

@@ -81,6 +81,18 @@ value! {
 }
 
 value! {
+    /// Which way faces are taken to be wound.
+    Winding {
+        /// As the surface has it, whatever the file's windings are: charts run over faces that the file winds
+        /// against their neighbours.
+        #[default]
+        Surface,
+        /// As the file has it: charts end where its winding changes.
+        File,
+    }
+}
+
+value! {
     /// How many atlases a scene gets.
     AtlasGrouping {
         /// One for all meshes of the default scene.

@@ -9,6 +9,7 @@ use super::density::weights;
 use super::option_table::options;
 use super::{
     AtlasGrouping, DoubleSided, LossForm, Quality, Rotation, Seed, SegmentationSource, StopAfter,
+    Winding,
 };
 
 /// Bytes of the option `density`.
@@ -23,6 +24,8 @@ options! {
         losses: LossForm = LossForm::Sound, Maps;
         /// What happens to faces that stand twice, with both windings.
         double_sided: DoubleSided = DoubleSided::Separate, Charts;
+        /// Which way faces are taken to be wound.
+        winding: Winding = Winding::Surface, Charts;
         /// How many atlases a scene gets.
         atlas: AtlasGrouping = AtlasGrouping::Scene, Pages;
         /// Which TEXCOORD set to write.

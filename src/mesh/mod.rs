@@ -3,21 +3,19 @@
 
 mod condition;
 mod disjoint;
-mod existing_seams;
 pub mod export;
 mod formats;
 pub mod import;
 mod maxflow;
-mod orient;
-mod pairing;
 mod proxy;
 pub mod rays;
 mod scene;
+mod sides;
 mod surface;
 mod symmetric;
-mod weld;
+mod telling;
 
-pub use condition::condition;
+pub use condition::{Conditioned, condition};
 pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use maxflow::Flow;
@@ -26,5 +24,7 @@ pub use scene::{
     ABSENT, Attribute, Component, Document, Instance, Material, Mesh, Node, Other, Primitive,
     Scene, TEXCOORD, TexcoordOrigin, Values,
 };
+pub use sides::Sides;
 pub use surface::{CREASE, FaceOrigin, NONE, Surface};
 pub use symmetric::{least_eigenvalue, least_eigenvector};
+pub use telling::Telling;

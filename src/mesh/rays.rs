@@ -53,9 +53,7 @@ pub struct Rays {
 impl Rays {
     /// Builds the hierarchy. O(n log n).
     pub fn new(surface: &Surface) -> Self {
-        let mut faces: Vec<u32> = (0..surface.face_count() as u32)
-            .filter(|&f| surface.usable.get(f as usize).copied().unwrap_or(true))
-            .collect();
+        let mut faces: Vec<u32> = (0..surface.face_count() as u32).collect();
         let centers: Vec<DVec3> = (0..surface.face_count()).map(|f| surface.centroid(f)).collect();
         let mut nodes = Vec::with_capacity(faces.len() + 1);
         if !faces.is_empty() {

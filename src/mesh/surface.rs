@@ -1,6 +1,6 @@
 //! The triangle surface that the solvers work on. Half-edge `h = 3 f + k` runs from corner `k` of
-//! face `f` to corner `(k + 1) % 3`. Face `f` is the f-th face of the scene in face order, also
-//! where it was turned over; faces without area keep their number and are in no chart.
+//! face `f` to corner `(k + 1) % 3`. Vertices stand in the lexicographic order of their positions, faces
+//! in that of their vertices; how the file has them is the [`Telling`](super::Telling)'s.
 
 use glam::DVec3;
 
@@ -16,20 +16,15 @@ pub const CREASE: f64 = std::f64::consts::PI / 6.0;
 /// Where a face comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct FaceOrigin {
+    /// Its number in the file, over all primitives; the first, where several stand at its place.
+    pub face: u32,
     /// Index into `Scene::primitives`.
     pub primitive: u32,
-    /// Index of the face within that primitive.
-    pub index: u32,
-    /// Node of the primitive.
-    pub node: u32,
     /// Material of the primitive, or [`NONE`].
     pub material: u32,
-    /// Connected component, counted within the primitive's own vertices (before welding across
-    /// primitives).
-    pub component: u32,
-    /// File component: faces that are connected by the file's own vertices, nothing welded. What the author
-    /// kept apart has another one, but so has each smooth area of a file that splits vertices at hard edges.
-    pub file_component: u32,
+    /// Shell: faces that are connected by the file's own vertices, nothing welded but what was split for the
+    /// sake of an attribute. What the author kept apart has another one.
+    pub shell: u32,
 }
 
 /// A conditioned triangle surface.
@@ -37,20 +32,17 @@ pub struct FaceOrigin {
 pub struct Surface {
     /// Welded vertex positions, world units; from a corner of the object where it lies far from the origin.
     pub positions: Vec<DVec3>,
-    /// Welded vertex triples, consistently wound. Length: faces.
+    /// Welded vertex triples, the least vertex first, consistently wound. Length: faces.
     pub triangles: Vec<[u32; 3]>,
-    /// Whether the winding here is opposite to the file's. Length: faces.
-    pub reversed: Vec<bool>,
     /// The half-edge on the other side, running the other way, or [`NONE`] at a border. At an edge
     /// of more than two faces the flattest pairs are twins. Length: 3 × faces.
     pub twin: Vec<u32>,
-    /// Whether the face has area. Length: faces.
-    pub usable: Vec<bool>,
-    /// Unit normals (zero for faces without area). Length: faces.
+    /// Unit normals. Length: faces.
     pub normals: Vec<DVec3>,
     /// Areas, world units squared. Length: faces.
     pub areas: Vec<f64>,
-    /// The face at the same place with the opposite winding, or [`NONE`]. Length: faces.
+    /// Another face at the same place, or [`NONE`]: the other side of a sheet or of a wall, or one of another
+    /// material or label. Length: faces.
     pub sheet_mate: Vec<u32>,
     /// Whether each half-edge is a seam of the texture coordinates that the file came with. Length:
     /// 3 × faces, or 0 where there are none.
@@ -68,9 +60,14 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Number of faces, usable or not.
+    /// Number of faces.
     pub fn face_count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Values of the file's faces in the order of this surface.
+    pub fn from_file_order<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.origins.iter().map(|origin| values[origin.face as usize]).collect()
     }
 
     /// Positions of a face's corners.
@@ -116,9 +113,23 @@ impl Surface {
         self.dihedral(h).abs() > CREASE
     }
 
-    /// Which corner of the file's triangle is corner `k` of face `face` here.
-    pub fn file_corner(&self, face: usize, k: usize) -> usize {
-        if self.reversed[face] { [0, 2, 1][k] } else { k }
+    /// The same where these faces are turned over, whole components of them. Length: faces.
+    pub fn turned(mut self, faces: &[bool]) -> Self {
+        // Half-edge k of [a, b, c] runs along half-edge 2 − k of [a, c, b].
+        let there = |h: u32| match h {
+            h if h == NONE || !faces[h as usize / 3] => h,
+            h => h - h % 3 + 2 - h % 3,
+        };
+        for f in (0..faces.len()).filter(|&f| faces[f]) {
+            self.triangles[f].swap(1, 2);
+            self.normals[f] = -self.normals[f];
+            self.twin.swap(3 * f, 3 * f + 2);
+            if !self.existing_seams.is_empty() {
+                self.existing_seams.swap(3 * f, 3 * f + 2);
+            }
+        }
+        self.twin.iter_mut().for_each(|t| *t = there(*t));
+        self
     }
 
     /// The connected components as meshes of their own: a vertex at which several fans of faces meet (where
@@ -159,7 +170,7 @@ impl Surface {
         (0..self.face_count() as u32).map(|f| sets.root(f)).collect()
     }
 
-    /// Total area of the usable faces, world units squared.
+    /// Total area of the faces, world units squared.
     pub fn area(&self) -> f64 {
         self.areas.iter().sum()
     }

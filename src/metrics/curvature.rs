@@ -14,7 +14,7 @@ const BENT: f64 = 0.05;
 /// Share of the area; `None` where no face has a chart.
 pub fn developable(input: &Measured) -> Option<f64> {
     let surface = input.surface;
-    let counted = |f: usize| (input.chart_of[f] as usize) < input.charts && surface.usable[f];
+    let counted = |f: usize| (input.chart_of[f] as usize) < input.charts;
     let same = |h: usize| {
         let t = surface.twin[h];
         t != NONE && input.chart_of[t as usize / 3] == input.chart_of[h / 3]

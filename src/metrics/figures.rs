@@ -52,7 +52,7 @@ impl Measured<'_> {
     /// The map of a face; `None` for faces without area, chart or coordinates.
     pub fn face_map(&self, face: usize) -> Option<FaceMap> {
         let s = self.surface;
-        let counted = (self.chart_of[face] as usize) < self.charts && s.usable[face];
+        let counted = (self.chart_of[face] as usize) < self.charts;
         if counted { FaceMap::new(s.corners(face), self.uvs[face]) } else { None }
     }
 

@@ -17,8 +17,6 @@ pub(crate) fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surfac
     let mut surface = Surface {
         normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
         areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
-        usable: triangles.iter().map(|t| cross(t).length() > 0.0).collect(),
-        reversed: vec![false; n],
         twin: vec![NONE; 3 * n],
         sheet_mate: vec![NONE; n],
         origins: vec![Default::default(); n],

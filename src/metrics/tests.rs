@@ -357,7 +357,6 @@ fn thousands_of_faces_about_one_edge_do_not_cost_their_square() {
         twin: (0..3 * n)
             .map(|h| if h % 3 == 0 { h / 6 * 6 + 3 * (1 - h / 3 % 2) } else { NONE })
             .collect(),
-        usable: vec![true; faces],
         normals: vec![DVec3::X; faces],
         areas: vec![0.5; faces],
         sheet_mate: vec![NONE; faces],

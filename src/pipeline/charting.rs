@@ -289,7 +289,7 @@ mod tests {
         let run = Run::quiet();
         let (found, solvers) = scenes::found(scenes::CUBE, &scenes::options(), &run);
         let how = ChartOptions::from(&scenes::options());
-        let regions = regions::divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene);
+        let regions = regions::divide(&found, &found.segmented(), AtlasGrouping::Scene);
         let attempt = |openness: Option<&[f32]>| {
             Cutter { solvers: &solvers, openness, run: &run }.cut(&regions, &how).unwrap()
         };

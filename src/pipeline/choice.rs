@@ -3,6 +3,7 @@
 //! of the charts or in the share of the page that is covered.
 
 use super::charting::{self, Cut};
+use super::delivery;
 use super::engine::Engine;
 use super::error::Cause;
 use super::finish::{self, CertifiedAtlas};
@@ -17,6 +18,8 @@ use crate::mesh::Surface;
 
 /// An atlas, and how it was come by.
 pub struct Made {
+    /// The sides that it is of.
+    pub found: Found,
     /// The atlas.
     pub atlas: CertifiedAtlas,
     /// What training the seams was worth, where it was tried.
@@ -64,8 +67,9 @@ fn best_of(
             Some(StopAfter::Charts) => maps::untrained(charts),
             _ => maps::trained(found, solvers, charts, &options, engine, run)?,
         };
-        let atlas = finish::pack_and_certify(found, &regions, mapped, &options, run)?;
-        Ok::<_, Cause>(Made { atlas, joint_seams, missed })
+        let (found, mapped) = delivery::deliver(found, mapped, &options, run)?;
+        let atlas = finish::pack_and_certify(&found, &regions, mapped, &options, run)?;
+        Ok::<_, Cause>(Made { found, atlas, joint_seams, missed })
     };
     let quality = options.quality;
     if quality != Quality::Best || options.stop_after.is_some() {
@@ -77,8 +81,8 @@ fn best_of(
         run.give_up(Stage::Charts, GaveUp::JointSeams, Scarce::Time);
         return Ok(balanced);
     }
-    let worth = Worth::of(found, &balanced.atlas, options);
-    let is_no_worse = |made: &Made| Worth::of(found, &made.atlas, options).is_no_worse_than(&worth);
+    let worth = Worth::of(&balanced, options);
+    let is_no_worse = |made: &Made| Worth::of(made, options).is_no_worse_than(&worth);
     // Seams that were trained with the maps, and all charts trained …
     let best = finish(cut(Quality::Best)?, Quality::Best)?;
     if is_no_worse(&best) {
@@ -111,7 +115,8 @@ struct Worth {
 }
 
 impl Worth {
-    fn of(found: &Found, atlas: &CertifiedAtlas, options: &UnwrapOptions) -> Self {
+    fn of(made: &Made, options: &UnwrapOptions) -> Self {
+        let Made { found, atlas, .. } = made;
         let area = |(m, uv): (&Mapped, &UvMap)| -> f64 {
             let disk = &m.chart.disk;
             (0..disk.triangles.len()).map(|f| disk.uv_area(f, uv)).sum()
@@ -147,7 +152,7 @@ mod tests {
             let by = |quality| {
                 let options = UnwrapOptions { quality, steps: 10, ..scenes::options() };
                 let made = atlas(&found, &solvers, &options, &scenes::engine(), &run).unwrap();
-                (Worth::of(&found, &made.atlas, &options), made.joint_seams)
+                (Worth::of(&made, &options), made.joint_seams)
             };
             let ((best, seams), (balanced, none)) = (by(Quality::Best), by(Quality::Balanced));
             assert!(best.is_no_worse_than(&balanced));

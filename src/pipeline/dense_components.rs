@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::maps::Mapped;
 use crate::charts::StartKind;
 use crate::contract::CoarseToFine;
-use crate::mesh::{NONE, Proxy, ProxySize, Surface};
+use crate::mesh::{Proxy, ProxySize, Surface};
 
 /// The dense components of a surface.
 #[derive(Debug, Clone, Default)]
@@ -25,13 +25,12 @@ impl DenseComponents {
         }
         let roots = surface.components(|_| true);
         let mut faces: BTreeMap<u32, usize> = BTreeMap::new();
-        for (&root, _) in roots.iter().zip(&surface.usable).filter(|(_, usable)| **usable) {
+        for &root in &roots {
             *faces.entry(root).or_default() += 1;
         }
         faces.retain(|_, faces| *faces > size.dense);
-        let collapsed = |proxy: &Proxy, face: u32| face != NONE && proxy.collapsed[face as usize];
         let by_proxy: Vec<bool> = match proxy {
-            Some(proxy) => proxy.face.iter().map(|&face| collapsed(proxy, face)).collect(),
+            Some(proxy) => proxy.face.iter().map(|&face| proxy.collapsed[face as usize]).collect(),
             None => Vec::new(),
         };
         let with_proxy: BTreeSet<u32> =
@@ -39,6 +38,15 @@ impl DenseComponents {
         let components = faces.keys().filter(|root| with_proxy.contains(root)).count();
         let as_they_are = (faces.len() - components) as u32;
         Self { by_proxy, components: components as u32, as_they_are }
+    }
+
+    /// The same of the sides of those faces.
+    pub fn sides(&self, of: &[u32]) -> Self {
+        let by_proxy = match self.by_proxy.is_empty() {
+            true => Vec::new(),
+            false => of.iter().map(|&f| self.by_proxy[f as usize]).collect(),
+        };
+        Self { by_proxy, ..*self }
     }
 
     /// How they were cut; `None` where there are none.

@@ -37,8 +37,11 @@ pub fn block<'a>(found: &'a Found, chart_of: &[u32]) -> Extras<'a> {
     Extras {
         engine: env!("CARGO_PKG_VERSION"),
         parts: parts.collect(),
-        face_parts: runs(&found.parts.labels),
-        face_charts: runs(chart_of),
+        face_parts: runs(&found.telling.in_file_order(&found.parts.labels, NONE)),
+        face_charts: match chart_of.is_empty() {
+            true => Vec::new(),
+            false => runs(&found.telling.in_file_order(chart_of, NONE)),
+        },
     }
 }
 

@@ -90,8 +90,7 @@ mod tests {
     fn open(text: &str, steps: u32) -> (Solvers, Vec<f32>) {
         let run = Run::quiet();
         let (found, solvers) = scenes::found(text, &scenes::options(), &run);
-        let regions =
-            regions::divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene).of_face;
+        let regions = regions::divide(&found, &found.segmented(), AtlasGrouping::Scene).of_face;
         let options = UnwrapOptions { steps, points: 64, ..scenes::options() };
         let cut = ChartOptions::from(&options);
         let openness =

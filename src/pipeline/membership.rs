@@ -1,5 +1,5 @@
-//! Which parts lie in which charts. Charts end where parts do, but for specks, for borders that gave way to
-//! `max_charts`, and for sheets that carry the coordinates of the other side.
+//! Which parts lie in which charts. Charts end where parts do, but for specks and for borders that gave way to
+//! `max_charts`.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::mesh::NONE;
 
 /// Parts and charts of a result.
 pub struct Membership {
-    /// Area that each chart has of each part, by chart and part; 0 for what only carries its coordinates.
+    /// Area that each chart has of each part, by chart and part.
     areas: BTreeMap<(u32, u32), f64>,
 }
 
@@ -17,16 +17,11 @@ impl Membership {
     /// Of these charts.
     pub fn new(found: &Found, charts: &[Mapped]) -> Self {
         let (surface, parts) = (&found.surface, &found.parts.labels);
-        let mut chart_of = vec![NONE; surface.face_count()];
-        for (c, mapped) in (0u32..).zip(charts) {
-            mapped.chart.faces.iter().for_each(|&f| chart_of[f as usize] = c);
-        }
         let mut areas = BTreeMap::new();
-        for (f, &source) in found.sources.iter().enumerate().filter(|(f, _)| parts[*f] != NONE) {
-            let chart = chart_of[source as usize];
-            if chart != NONE {
-                let own = if source as usize == f { surface.areas[f] } else { 0.0 };
-                *areas.entry((chart, parts[f])).or_default() += own;
+        for (c, mapped) in (0u32..).zip(charts) {
+            let faces = mapped.chart.faces.iter().map(|&f| f as usize);
+            for f in faces.filter(|&f| parts[f] != NONE) {
+                *areas.entry((c, parts[f])).or_default() += surface.areas[f];
             }
         }
         Self { areas }
@@ -54,7 +49,7 @@ impl Membership {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{DoubleSided, Run, UnwrapOptions};
+    use crate::contract::{Run, UnwrapOptions};
     use crate::pipeline::{maps, scenes};
 
     fn of(text: &str, options: &UnwrapOptions, labels: &[u32]) -> Membership {
@@ -70,16 +65,5 @@ mod tests {
         assert_eq!((both.parts(0), both.parts(1)), (vec![1, 3], vec![3]));
         assert_eq!((both.charts(1), both.charts(3), both.charts(0)), (vec![0], vec![0, 1], vec![]));
         assert_eq!(both.areas().collect::<Vec<_>>(), [(0, 1, 0.5), (0, 3, 0.5), (1, 3, 0.5)]);
-    }
-
-    #[test]
-    fn a_sheet_that_shares_coordinates_lies_in_the_chart_of_the_other_side() {
-        let text = format!("{}{}", scenes::CUBE, scenes::INSIDE);
-        let options = UnwrapOptions { double_sided: DoubleSided::Share, ..scenes::options() };
-        let labels: Vec<u32> = (0..24).map(|f| f / 12).collect();
-        let both = of(&text, &options, &labels);
-        assert!(!both.charts(1).is_empty());
-        assert_eq!(both.charts(0), both.charts(1));
-        assert!(both.charts(0).iter().all(|&chart| both.parts(chart) == [0, 1]));
     }
 }

@@ -8,6 +8,7 @@
 mod certify;
 mod charting;
 mod choice;
+mod delivery;
 mod dense_components;
 mod densities;
 mod effort;
@@ -29,7 +30,6 @@ mod report;
 mod result;
 #[cfg(test)]
 mod scenes;
-mod sheets;
 mod summary;
 mod ways;
 
@@ -113,8 +113,8 @@ fn stages(
         return report::segmentation_only(scene, &found, engine, run);
     }
     let made = choice::atlas(&found, &solvers, options, engine, run)?;
-    maps::tell_parts(&found, &made.atlas.charts, run);
-    report::whole(scene, &found, &made.atlas, made.joint_seams, options, engine, run)
+    maps::tell_parts(&made.found, &made.atlas.charts, run);
+    report::whole(scene, &made.found, &made.atlas, made.joint_seams, options, engine, run)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The first stages: condition, sample, segment. They end in two values: what the result indexes, and
 //! what the solvers see.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::dense_components::DenseComponents;
@@ -8,27 +9,27 @@ use super::densities::densities;
 use super::engine::Engine;
 use super::error::Cause;
 use super::regions::Segmented;
-use super::sheets;
 use crate::charts::{Chart, ChartOptions};
 use crate::coarse_to_fine;
 use crate::contract::{
-    Canceled, DoubleSided, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions,
-    WarningCode,
+    Canceled, GaveUp, Run, Scarce, SegmentationSource, Stage, UnwrapOptions, WarningCode, Winding,
 };
-use crate::mesh::{self, ImportError, NONE, Proxy, ProxySize, Scene, Surface};
+use crate::mesh::{
+    self, Conditioned, ImportError, NONE, Proxy, ProxySize, Scene, Surface, Telling,
+};
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels, SegmentOptions};
 
 /// What the result indexes: the surface face for face, and its parts.
 pub struct Found {
-    /// The conditioned surface.
+    /// The conditioned surface; of what is delivered, all sides that have coordinates.
     pub surface: Arc<Surface>,
+    /// How the file tells it.
+    pub telling: Telling,
     /// Its parts.
     pub parts: PartLabels,
     /// SHA-256 of the network's weights, where it was asked for the parts.
     pub weights: Option<String>,
-    /// For each face the face whose UVs it carries (itself, but for a sheet that shares those of the other).
-    pub sources: Vec<u32>,
     /// Texel density of each part relative to the others.
     pub densities: Vec<f64>,
     /// Its dense components.
@@ -41,31 +42,24 @@ pub struct Solvers {
     pub surface: Arc<Surface>,
     /// How it goes back to the conditioned surface, where it is a proxy.
     pub proxy: Option<Proxy>,
-    /// Whether each of its faces gets UVs of its own.
-    pub own: Vec<bool>,
     /// The dense cloud on it.
     pub cloud: PointCloud,
-    /// Part of each face, or [`NONE`](mesh::NONE).
+    /// Part of each face.
     pub part_of: Vec<u32>,
 }
 
 impl Found {
-    /// Whether each face gets UVs of its own, and does not carry those of its mate.
-    pub fn own(&self) -> Vec<bool> {
-        (0u32..).zip(&self.sources).map(|(f, &source)| f == source).collect()
-    }
-
     /// The surface with its parts.
     #[cfg(test)]
-    pub fn segmented<'a>(&'a self, own: &'a [bool]) -> Segmented<'a> {
-        Segmented { surface: &self.surface, labels: &self.parts.labels, own }
+    pub fn segmented(&self) -> Segmented<'_> {
+        Segmented { surface: &self.surface, labels: &self.parts.labels }
     }
 }
 
 impl Solvers {
     /// The surface with its parts.
     pub fn segmented(&self) -> Segmented<'_> {
-        Segmented { surface: &self.surface, labels: &self.part_of, own: &self.own }
+        Segmented { surface: &self.surface, labels: &self.part_of }
     }
 
     /// Charts of this surface as charts of the conditioned one.
@@ -77,9 +71,8 @@ impl Solvers {
         run: &Run,
     ) -> Result<Vec<Chart>, Canceled> {
         let Some(proxy) = &self.proxy else { return Ok(charts) };
-        let labels = found.parts.labels.iter().zip(found.own());
-        let parts: Vec<u32> = labels.map(|(&part, own)| if own { part } else { NONE }).collect();
-        let (parts, how) = ([&parts[..], &self.part_of], ChartOptions::from(options));
+        let parts = [&found.parts.labels[..], &self.part_of];
+        let how = ChartOptions::from(options);
         coarse_to_fine::charts(&found.surface, proxy, charts, parts, &how, run)
     }
 }
@@ -106,9 +99,12 @@ pub fn find(
     run: &Run,
 ) -> Result<(Found, Solvers), Cause> {
     run.stage(Stage::Condition)?;
-    let surface = Arc::new(mesh::condition(scene, run)?);
+    let Conditioned { surface, telling } = mesh::condition(scene, options.winding, run)?;
+    let surface = Arc::new(surface);
     check_area(scene, &surface)?;
-    warn_of_faults(&surface, run);
+    if options.winding == Winding::File {
+        warn_of_windings(&surface, run);
+    }
     // What is dense is looked at and cut as a coarser surface that stands for it.
     let size = ProxySize::default();
     let proxy = mesh::proxy(&surface, size, run)?;
@@ -121,10 +117,6 @@ pub fn find(
     let asked = SegmentOptions::from(options);
     let how = affordable(asked, &seen, run);
     let parts = segmentation::segment(&seen, &cloud, &how, &engine.weights, &engine.device, run)?;
-    let sources = match options.double_sided {
-        DoubleSided::Separate => (0..surface.face_count() as u32).collect(),
-        DoubleSided::Share => sheets::sources(&surface),
-    };
     let part_of = parts.labels.clone();
     let parts = match &proxy {
         Some(proxy) => PartLabels { labels: carried(&surface, proxy, &part_of), ..parts },
@@ -134,17 +126,12 @@ pub fn find(
         weights: how.hears_network(&seen).then(|| engine.weights.digest().to_owned()),
         densities: densities(&parts.parts, options)?,
         surface,
+        telling,
         parts,
-        sources,
         dense,
     };
-    // A face of the proxy is what is left of one of the surface.
-    let own = match &proxy {
-        Some(proxy) => proxy.left_of.iter().map(|&f| found.sources[f as usize] == f).collect(),
-        None => found.own(),
-    };
     run.parts(0, found.parts.parts.len() as u32);
-    Ok((found, Solvers { surface: seen, proxy, own, cloud, part_of }))
+    Ok((found, Solvers { surface: seen, proxy, cloud, part_of }))
 }
 
 /// Share of an object's size that neighbouring numbers may be apart.
@@ -152,10 +139,10 @@ const FEW_STEPS: f64 = 0.02;
 
 /// An error where no face has area: there is nothing to unwrap.
 fn check_area(scene: &Scene, surface: &Surface) -> Result<(), ImportError> {
-    if surface.usable.contains(&true) {
+    if surface.face_count() > 0 {
         return Ok(());
     }
-    let count = surface.face_count();
+    let count = scene.face_count();
     let corners = scene
         .primitives
         .iter()
@@ -170,10 +157,10 @@ fn check_area(scene: &Scene, surface: &Surface) -> Result<(), ImportError> {
              and export it again"
         )));
     }
-    let first = surface.origins.first().map_or_else(String::new, |origin| {
-        let name = surface.names.get(origin.primitive as usize).filter(|name| !name.is_empty());
-        let of = name.map_or_else(String::new, |name| format!(" of {name:?}"));
-        format!(", the first is face {}{of}", origin.index)
+    let holder = scene.primitives.iter().find(|primitive| !primitive.triangles.is_empty());
+    let first = holder.map_or_else(String::new, |primitive| match scene.name(primitive) {
+        "" => ", the first is face 0".to_owned(),
+        name => format!(", the first is face 0 of {name:?}"),
     });
     Err(ImportError::Invalid(format!(
         "none of the mesh's {count} faces has an area{first}: its corners are in one place or on one line. \
@@ -181,28 +168,22 @@ fn check_area(scene: &Scene, surface: &Surface) -> Result<(), ImportError> {
     )))
 }
 
-/// Share of faces that are wound against their neighbours, or stand more than once, from which on it is told.
+/// Share of edges between faces that are wound against each other from which on it is told.
 const TOLD: f64 = 0.02;
 
-/// Tell what tears charts apart, and how to mend it.
-fn warn_of_faults(surface: &Surface, run: &Run) {
-    let faces = surface.face_count();
-    let told = |count: u64| count as f64 >= TOLD * faces as f64 && count > 0;
-    let copies = surface.repairs.duplicate_faces;
-    if told(copies) {
-        // Copies make windings disagree: they are the cause that can be mended.
-        let message = format!(
-            "{copies} of {faces} faces stand where another does already, and each copy gets a place of its own: \
-             delete duplicate faces in your tool and unwrap it again"
-        );
-        run.warn(WarningCode::DuplicateFaces, message);
-        return;
+/// Tell that windings tear charts apart, where they count.
+fn warn_of_windings(surface: &Surface, run: &Run) {
+    let mut borders: BTreeMap<[u32; 2], Vec<bool>> = BTreeMap::new();
+    for h in (0u32..).zip(&surface.twin).filter(|(_, t)| **t == NONE).map(|(h, _)| h) {
+        let (from, to) = (surface.from(h), surface.to(h));
+        borders.entry([from.min(to), from.max(to)]).or_default().push(from < to);
     }
-    let turned = surface.repairs.reoriented_faces;
-    if told(turned) {
+    let against = borders.values().filter(|ways| matches!(ways[..], [a, b] if a == b)).count();
+    let edges = surface.twin.len().div_ceil(2);
+    if against as f64 >= TOLD * edges as f64 && against > 0 {
         let message = format!(
-            "{turned} of {faces} faces are wound against their neighbours, and charts end where the winding \
-             changes: recalculate the normals in your tool and unwrap it again"
+            "at {against} of {edges} edges the faces are wound against each other, and charts end there: ask for \
+             `winding=surface`, or recalculate the normals in your tool and unwrap it again"
         );
         run.warn(WarningCode::MixedWindings, message);
     }
@@ -252,15 +233,14 @@ mod tests {
     }
 
     #[test]
-    fn turned_faces_and_copies_are_told_where_there_are_many() {
-        let codes = |text: &str| {
+    fn windings_are_told_where_charts_end_at_them() {
+        let codes = |text: &str, winding| {
             let run = Run::quiet();
-            scenes::found(text, &scenes::options(), &run);
+            scenes::found(text, &UnwrapOptions { winding, ..scenes::options() }, &run);
             run.warnings().iter().map(|w| w.code).collect::<Vec<_>>()
         };
         let sheet = scenes::sheet(10, |_, _| 0.0);
-        let faces: Vec<&str> = sheet.lines().filter(|line| line.starts_with("f ")).collect();
-        assert_eq!(codes(&sheet), []);
+        assert_eq!(codes(&sheet, Winding::File), []);
         let turned = sheet.lines().enumerate().map(|(i, line)| {
             let mut words: Vec<&str> = line.split(' ').collect();
             if words[0] == "f" && i % 3 == 0 {
@@ -268,9 +248,9 @@ mod tests {
             }
             words.join(" ") + "\n"
         });
-        assert_eq!(codes(&turned.collect::<String>()), [WarningCode::MixedWindings]);
-        let copied = format!("{sheet}{}\n", faces[..5].join("\n"));
-        assert_eq!(codes(&copied), [WarningCode::DuplicateFaces]);
+        let turned: String = turned.collect();
+        assert_eq!(codes(&turned, Winding::File), [WarningCode::MixedWindings]);
+        assert_eq!(codes(&turned, Winding::Surface), []);
     }
 
     #[test]
@@ -323,10 +303,7 @@ mod tests {
             let (found, solvers) =
                 find(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap();
             assert_eq!(found.parts.parts.len(), 1);
-            assert_eq!(
-                regions::divide(&found, &found.segmented(&found.own()), atlas).atlas,
-                atlases
-            );
+            assert_eq!(regions::divide(&found, &found.segmented(), atlas).atlas, atlases);
             assert_eq!(solvers.part_of, [0, 0]);
         }
     }

@@ -28,10 +28,8 @@ pub struct Regions {
 pub struct Segmented<'a> {
     /// The surface.
     pub surface: &'a Surface,
-    /// Part of each face, or [`NONE`].
+    /// Part of each face.
     pub labels: &'a [u32],
-    /// Whether each face gets UVs of its own, and does not carry another's.
-    pub own: &'a [bool],
 }
 
 impl Regions {
@@ -76,9 +74,8 @@ pub fn divide(found: &Found, on: &Segmented, atlas: AtlasGrouping) -> Regions {
             AtlasGrouping::Scene => 0,
             AtlasGrouping::Material => surface.origins[f].material,
         };
-        let own = surface.usable[f] && on.own[f];
         let part = on.labels[f];
-        (own && part != NONE).then_some((part, material))
+        (part != NONE).then_some((part, material))
     };
     let keys: Vec<Option<(u32, u32)>> = (0..surface.face_count()).map(key).collect();
     let mut regions: Vec<(u32, u32)> = keys.iter().flatten().copied().collect();
@@ -134,8 +131,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::contract::Run;
-    use crate::mesh::{Scene, condition};
+    use crate::contract::{Run, Winding};
+    use crate::mesh::{Conditioned, Scene, condition};
     use crate::pipeline::dense_components::DenseComponents;
     use crate::segmentation::{Part, PartLabels};
 
@@ -145,14 +142,15 @@ mod tests {
         let quads = (0..400u32).map(|i| i / 20 * 21 + i % 20);
         let cells = quads.flat_map(|a| [[a, a + 1, a + 22], [a, a + 22, a + 21]]);
         let scene = Scene::from_triangles(positions.collect(), cells.collect());
-        let surface = condition(&scene, &Run::quiet()).unwrap();
+        let Conditioned { surface, telling } =
+            condition(&scene, Winding::Surface, &Run::quiet()).unwrap();
         let label = |f: u32| if f / 2 == 63 { 1 } else { 2 * u32::from(f / 2 % 20 >= 10) };
+        let of_file: Vec<u32> = (0..800).map(label).collect();
         let part =
             |id| Part { id, name: id.to_string(), source, confidence: 1.0, name_confidence: None };
         Found {
-            sources: (0..800).collect(),
             parts: PartLabels {
-                labels: (0..800).map(label).collect(),
+                labels: surface.from_file_order(&of_file),
                 parts: (0..3).map(part).collect(),
                 joins: Vec::new(),
             },
@@ -160,17 +158,22 @@ mod tests {
             weights: None,
             dense: DenseComponents::default(),
             surface: surface.into(),
+            telling,
         }
+    }
+
+    /// Region of a face of the file.
+    fn region(found: &Found, regions: &Regions, face: usize) -> u32 {
+        regions.of_face[found.telling.face[face] as usize]
     }
 
     #[test]
     fn a_guessed_speck_goes_to_its_neighbour_and_a_named_one_stays() {
         for (source, own) in [(SegmentationSource::Geometric, 0), (SegmentationSource::Labels, 1)] {
-            let regions = {
-                let found = found(source);
-                divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene)
-            };
-            assert_eq!([0, 126, 127, 799].map(|f| regions.of_face[f]), [0, own, own, 2]);
+            let found = found(source);
+            let regions = divide(&found, &found.segmented(), AtlasGrouping::Scene);
+            let of = [0, 126, 127, 799].map(|f| region(&found, &regions, f));
+            assert_eq!(of, [0, own, own, 2]);
         }
     }
 
@@ -178,9 +181,7 @@ mod tests {
     fn a_speck_of_its_own_density_stays() {
         let mut found = found(SegmentationSource::Geometric);
         found.densities[1] = 4.0;
-        assert_eq!(
-            divide(&found, &found.segmented(&found.own()), AtlasGrouping::Scene).of_face[126],
-            1
-        );
+        let regions = divide(&found, &found.segmented(), AtlasGrouping::Scene);
+        assert_eq!(region(&found, &regions, 126), 1);
     }
 }

@@ -14,13 +14,14 @@ use super::parts::Found;
 use super::result::{Artifact, Unwrapped};
 use super::summary;
 use crate::contract::{
-    ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, GaveUp, JointSeams, Metrics,
-    PartMetrics, Repairs, Run, Scarce, SegmentationSource, Stage, Summary, Units, UnwrapOptions,
+    ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, FirstFaces, GaveUp, JointSeams,
+    Metrics, PartMetrics, Repairs, Run, Scarce, SegmentationSource, Stage, Summary, Units,
+    UnwrapOptions,
 };
 use crate::mesh::{NONE, Scene, export};
 use crate::metrics::{self, Measured, MeasuredFigures};
 use crate::preview;
-use crate::segmentation::Part;
+use crate::segmentation::{Part, PartLabels};
 
 /// Version of the shape of `metrics.json`.
 const SCHEMA: u32 = 2;
@@ -110,7 +111,7 @@ pub fn whole(
         parts: parts(found, &membership, &figures),
         part_joins: found.parts.joins.clone(),
         charts: charts(&membership, finished, &figures),
-        repairs: Repairs { enlarged_faces, ..found.surface.repairs },
+        repairs: Repairs { enlarged_faces, ..repairs(found) },
         engine: env!("CARGO_PKG_VERSION").into(),
         weights: found.weights.clone(),
         device: engine.device.name(),
@@ -177,16 +178,16 @@ pub fn segmentation_only(
         parts: found.parts.parts.iter().map(part).collect(),
         part_joins: found.parts.joins.clone(),
         charts: Vec::new(),
-        repairs: found.surface.repairs,
+        repairs: repairs(found),
         engine: env!("CARGO_PKG_VERSION").into(),
         weights: found.weights.clone(),
         device: engine.device.name(),
         cost,
     };
-    let parts = found.parts.labels.iter().map(|&p| if p == NONE { -1 } else { p as i32 });
-    let parts: Vec<i32> = parts.collect();
+    let labels = found.telling.in_file_order(&found.parts.labels, NONE);
+    let parts: Vec<i32> = labels.iter().map(|&p| if p == NONE { -1 } else { p as i32 }).collect();
     let glb = export::part_glb(scene, &parts, Some(&json::value(&extras::block(found, &[]))?))?;
-    let labels = found.parts.to_text().into_bytes();
+    let labels = PartLabels { labels, ..found.parts.clone() }.to_text().into_bytes();
     let mut artifacts = vec![
         Artifact { kind: ArtifactKind::Model, bytes: glb },
         Artifact { kind: ArtifactKind::Labels, bytes: labels },
@@ -235,10 +236,23 @@ fn measured<'a>(found: &'a Found, faces: &'a Faces, charts: usize) -> Measured<'
     }
 }
 
+/// What was repaired, with the faces that the file winds the other way.
+fn repairs(found: &Found) -> Repairs {
+    let known = found.surface.repairs;
+    let (surface, telling) = (&found.surface, &found.telling);
+    let is_against = |&(i, &f): &(usize, &u32)| f != NONE && telling.is_against(surface, i);
+    let mut against = telling.face.iter().enumerate().filter(is_against).map(|(i, _)| i as u64);
+    let first = against.next();
+    let first_faces = FirstFaces { against_file_winding: first, ..known.first_faces };
+    let against_file_winding = against.count() as u64 + u64::from(first.is_some());
+    Repairs { against_file_winding, first_faces, ..known }
+}
+
 /// Faces of each part.
 fn face_counts(found: &Found) -> Vec<u64> {
     let mut faces = vec![0; found.parts.parts.len()];
-    for &part in found.parts.labels.iter().filter(|p| **p != NONE) {
+    let of_file = found.telling.in_file_order(&found.parts.labels, NONE);
+    for part in of_file.into_iter().filter(|p| *p != NONE) {
         faces[part as usize] += 1;
     }
     faces
@@ -305,7 +319,7 @@ mod tests {
     fn each_chart_is_told_with_its_part_and_each_part_with_its_charts() {
         let (atlas, result) = reported(&Run::quiet(), |_| {});
         let m = &result.metrics;
-        assert_eq!(m.parts.iter().map(|p| p.faces).collect::<Vec<_>>(), [2, 2, 12]);
+        assert_eq!(m.parts.iter().map(|p| p.faces).collect::<Vec<_>>(), [2, 12, 2]);
         assert_eq!(m.charts.len(), atlas.charts.len());
         assert!(m.charts.len() >= 4, "the cube has more than one");
         for (c, mapped) in m.charts.iter().zip(&atlas.charts) {

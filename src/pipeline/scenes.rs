@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::charting::Cut;
 use super::finish::{self, CertifiedAtlas};
 use super::parts::{Found, Solvers};
-use super::{Engine, charting, maps, parts};
+use super::{Engine, charting, delivery, maps, parts};
 use crate::contract::{
     Budget, Cancel, MeshKind, Progress, Quality, Run, SegmentationSource, UnwrapOptions,
 };
@@ -114,6 +114,7 @@ pub fn cut(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, Cu
 pub fn atlas(obj: &str, options: &UnwrapOptions, run: &Run) -> (Found, Solvers, CertifiedAtlas) {
     let (found, solvers, cut) = cut(obj, options, run);
     let charts = maps::untrained(cut.charts);
+    let (found, charts) = delivery::deliver(&found, charts, options, run).unwrap();
     let atlas = finish::pack_and_certify(&found, &cut.regions, charts, options, run);
     let atlas = atlas.unwrap();
     (found, solvers, atlas)

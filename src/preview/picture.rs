@@ -57,7 +57,7 @@ pub fn preview_png(
     let cancel = &run.cancel;
     let scene = scene.unwrap_or(input);
     if input.charts == 0 {
-        let edges = EdgeTable::new(scene, |f| scene.surface.usable[f as usize], cancel)?;
+        let edges = EdgeTable::new(scene, |_| true, cancel)?;
         let mut page = Canvas::gradient(LARGE, LARGE, Vec3::ONE, Vec3::ONE);
         page.paste_smaller(&parts_panel(scene, &edges, LARGE, cancel)?, FACTOR, 0, 0);
         return Ok(encode_png(&page, png::Compression::Fast)?);

@@ -42,7 +42,7 @@ impl Visible {
         for f in 0..surface.face_count() as u32 {
             let [a, b, c] = corners(f).map(|s| s.at);
             let towards = (b - a).perp_dot(c - a) < 0.0; // y is down
-            if !surface.usable[f as usize] || !towards && surface.sheet_mate[f as usize] != NONE {
+            if !towards && surface.sheet_mate[f as usize] != NONE {
                 continue;
             }
             covered += 0.5 * f64::from((b - a).perp_dot(c - a).abs());

@@ -48,12 +48,8 @@ impl<'a> View<'a> {
         size: usize,
         cancel: &Cancel,
     ) -> Result<Option<Self>, Canceled> {
-        let points = surface
-            .triangles
-            .iter()
-            .zip(&surface.usable)
-            .filter(|(_, usable)| **usable)
-            .flat_map(|(t, _)| t.map(|v| surface.positions[v as usize]));
+        let points =
+            surface.triangles.iter().flat_map(|t| t.map(|v| surface.positions[v as usize]));
         let Some(camera) = Camera::framing(points, size * FACTOR) else { return Ok(None) };
         let seen = Visible::new(surface, &camera, size * FACTOR, cancel)?;
         let turned = |n: DVec3| camera.turned(n).as_vec3();

@@ -87,7 +87,6 @@ fn large_layouts_have_outlines_only() {
         positions,
         triangles,
         twin,
-        usable: vec![true; faces],
         normals: vec![DVec3::Z; faces],
         areas: vec![0.5; faces],
         sheet_mate: vec![NONE; faces],

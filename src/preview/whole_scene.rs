@@ -78,10 +78,8 @@ impl WholeScene {
                     to.positions.len() as u32 - 1
                 })
             }));
-            to.usable.push(from.usable[f]);
             to.normals.push((turn * from.normals[f]).normalize_or_zero());
             to.areas.push(from.areas[f]);
-            to.reversed.push(from.reversed[f]);
             to.origins.push(from.origins[f]);
             to.sheet_mate.push(NONE);
             for &twin in &from.twin[3 * f..3 * f + 3] {

@@ -89,9 +89,8 @@ pub fn sample(
 ) -> Result<PointCloud, Canceled> {
     let field = EdgeField::new(surface, run)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let usable = |f: usize| if surface.usable[f] { surface.areas[f] } else { 0.0 };
-    let areas: Vec<f64> = (0..surface.face_count()).map(usable).collect();
-    let shares = base::allocate(&areas, counts.base);
+    let areas = &surface.areas;
+    let shares = base::allocate(areas, counts.base);
     let mut cloud = PointCloud::default();
     for (face, &share) in shares.iter().enumerate() {
         if face % 65536 == 0 {

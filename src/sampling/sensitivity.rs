@@ -164,10 +164,10 @@ struct Neighbours {
 impl Neighbours {
     fn new(surface: &Surface) -> Self {
         let edges = || {
-            let usable = surface.triangles.iter().zip(&surface.usable).filter(|(_, u)| **u);
-            usable.flat_map(|(t, _)| {
-                (0..3).flat_map(|k| [(t[k], t[(k + 1) % 3]), (t[(k + 1) % 3], t[k])])
-            })
+            surface
+                .triangles
+                .iter()
+                .flat_map(|t| (0..3).flat_map(|k| [(t[k], t[(k + 1) % 3]), (t[(k + 1) % 3], t[k])]))
         };
         let mut start = vec![0u32; surface.positions.len() + 1];
         for (a, _) in edges() {

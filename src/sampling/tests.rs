@@ -28,8 +28,6 @@ pub(crate) fn surface(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surfac
         normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
         areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
         twin,
-        usable: vec![true; n],
-        reversed: vec![false; n],
         sheet_mate: vec![NONE; n],
         origins: vec![Default::default(); n],
         diagonal: positions
@@ -129,9 +127,9 @@ fn extra_points_keep_their_distance() {
 }
 
 #[test]
-fn every_usable_face_has_a_point_and_others_have_none() {
+fn every_face_has_a_point_and_one_without_area_has_none() {
     let mut s = folded(8, 0.5);
-    s.usable[5] = false;
+    s.areas[5] = 0.0;
     // One face a million times smaller than the rest still counts.
     s.areas[7] *= 1e-6;
     let cloud = sample(&s, SampleCounts::dense(s.face_count()), 1, &Run::quiet()).unwrap();

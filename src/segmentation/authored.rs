@@ -29,8 +29,10 @@ impl Segmenter for Authored {
         let mut components: BTreeMap<u32, u32> = BTreeMap::new();
         let mut keys = Vec::new();
         let mut fixed = vec![-1; surface.face_count()];
-        for (f, origin) in surface.origins.iter().enumerate().filter(|(f, _)| surface.usable[*f]) {
-            let key = (origin.primitive, origin.component);
+        let primitive = |h: u32| surface.origins[h as usize / 3].primitive;
+        let connected = surface.components(|h| primitive(h) == primitive(surface.twin[h as usize]));
+        for (f, origin) in surface.origins.iter().enumerate() {
+            let key = (origin.primitive, connected[f]);
             fixed[f] = *numbers.entry(key).or_insert_with(|| {
                 keys.push(key);
                 *components.entry(key.0).or_default() += 1;

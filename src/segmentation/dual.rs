@@ -17,7 +17,7 @@ pub struct DualGraph {
 }
 
 impl DualGraph {
-    /// The graph of a surface's usable faces. Weights are in units of the mean edge length; a
+    /// The graph of a surface's faces. Weights are in units of the mean edge length; a
     /// face and its mate are linked, so that they get one label.
     pub fn new(surface: &Surface) -> Self {
         let mut pairs: Vec<(u32, u32, f64)> = Vec::with_capacity(surface.twin.len());

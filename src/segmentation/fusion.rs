@@ -6,8 +6,7 @@
 use super::naming::Naming;
 use super::near_borders::near_borders;
 use super::regions::{Evidence, Heard, Opinion, Prepared, RegionGraph, agglomerate, features};
-use super::sheets::Outside;
-use super::{Candidate, PartScores};
+use super::{Candidate, PartScores, Seen};
 use crate::contract::{Canceled, Run, SegmentationSource};
 use crate::mesh::{NONE, Surface};
 
@@ -23,14 +22,14 @@ const REACH: f64 = 1.2;
 /// is to be heard: regions are joined as long as the probability that a part ends between them is at most
 /// `cut`.
 pub fn fuse(
-    seen: &Outside,
+    seen: Seen,
     evidence: &Evidence,
     opinion: &dyn Opinion,
     heard: Heard,
     cut: f64,
     run: &Run,
 ) -> Result<PartScores, Canceled> {
-    let (surface, cloud) = (&*seen.surface, &*seen.cloud);
+    let Seen { surface, cloud } = seen;
     let Prepared { patch, mut graph, contacts } =
         super::regions::prepare(surface, cloud, evidence, None, run)?;
     let boundary = |x: &_| opinion.boundary(x, heard);
@@ -53,12 +52,11 @@ pub fn fuse(
         stands[part as usize] = p;
     }
     // Initial regions have ragged rims: about as far as one reaches, the line may be drawn anew, the more
-    // freely the nearer. Between file components the file has drawn it already.
-    let usable = surface.usable.iter().filter(|u| **u).count();
-    let faces_of_patch = usable as f64 / of_patch.len().max(1) as f64;
+    // freely the nearer. Between shells the file has drawn it already.
+    let faces_of_patch = surface.face_count() as f64 / of_patch.len().max(1) as f64;
     let rings = (REACH * faces_of_patch.sqrt()).round().clamp(2.0, 8.0) as u8;
-    let file_component = |h: u32| surface.origins[h as usize / 3].file_component;
-    let same = |h: u32| file_component(h) == file_component(surface.twin[h as usize]);
+    let shell = |h: u32| surface.origins[h as usize / 3].shell;
+    let same = |h: u32| shell(h) == shell(surface.twin[h as usize]);
     let ring = near_borders(surface, &label, rings, same);
     let fixed = label.iter().zip(&ring).map(|(&l, &r)| if r > 0 { -1 } else { l }).collect();
     let vote = |&f: &u32| if ring[f as usize] > 0 { label[f as usize] } else { -1 };
@@ -81,7 +79,7 @@ pub fn fuse(
         label[c.faces.0 as usize] == label[c.faces.1 as usize]
     };
     let bridges = contacts.iter().filter(joined).map(|c| c.faces).collect();
-    Ok(seen.whole(PartScores { candidates, fixed, votes, weights, bridges, joins }))
+    Ok(PartScores { candidates, fixed, votes, weights, bridges, joins })
 }
 
 /// The name of the node that a part lies in, where the file has several.

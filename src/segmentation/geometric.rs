@@ -4,8 +4,7 @@
 
 use super::fusion::fuse;
 use super::regions::{Heard, Rule, gather};
-use super::sheets::Outside;
-use super::{PartScores, SegmentationError, Segmenter};
+use super::{PartScores, Seen, SegmentationError, Segmenter};
 use crate::contract::Run;
 use crate::mesh::Surface;
 use crate::sampling::PointCloud;
@@ -20,8 +19,8 @@ impl Segmenter for Geometric {
         cloud: &PointCloud,
         run: &Run,
     ) -> Result<PartScores, SegmentationError> {
-        let seen = Outside::of(surface, cloud);
-        let evidence = gather(&seen, None, run)?;
-        Ok(fuse(&seen, &evidence, &Rule, Heard::SHAPE, self.0, run)?)
+        let seen = Seen { surface, cloud };
+        let evidence = gather(seen, None, run)?;
+        Ok(fuse(seen, &evidence, &Rule, Heard::SHAPE, self.0, run)?)
     }
 }

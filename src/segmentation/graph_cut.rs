@@ -29,7 +29,7 @@ const UNKNOWN: i32 = -1;
 /// Not in the island at hand.
 const OUTSIDE: u32 = u32::MAX;
 
-/// Label of each face: an index into the candidates; −1 for faces that are not usable and for
+/// Label of each face: an index into the candidates; −1 for
 /// connected components of which the source says nothing.
 pub fn decide(
     surface: &Surface,
@@ -38,13 +38,12 @@ pub fn decide(
     scores: &PartScores,
     run: &Run,
 ) -> Result<Vec<i32>, SegmentationError> {
-    let open: Vec<bool> =
-        (0..dual.len()).map(|f| surface.usable[f] && scores.fixed[f] == UNKNOWN).collect();
+    let open: Vec<bool> = scores.fixed.iter().map(|&label| label == UNKNOWN).collect();
     let mut label = scores.fixed.clone();
     if open.iter().any(|&o| o) {
         let votes = Votes::count(surface, cloud, scores);
         (0..dual.len()).filter(|&f| open[f]).for_each(|f| label[f] = votes.winner(f));
-        spread(surface, dual, &mut label);
+        spread(dual, &mut label);
         let mut place = vec![OUTSIDE; dual.len()];
         for island in islands(dual, &open) {
             run.cancel.check()?;
@@ -53,17 +52,16 @@ pub fn decide(
             island.iter().for_each(|&f| place[f as usize] = OUTSIDE);
         }
     }
-    (0..dual.len()).filter(|&f| !surface.usable[f]).for_each(|f| label[f] = UNKNOWN);
     Ok(label)
 }
 
 /// Faces without a label take that of the nearest face that has one.
-fn spread(surface: &Surface, dual: &DualGraph, label: &mut [i32]) {
+fn spread(dual: &DualGraph, label: &mut [i32]) {
     let mut queue: VecDeque<u32> =
         (0..dual.len() as u32).filter(|&f| label[f as usize] != UNKNOWN).collect();
     while let Some(f) = queue.pop_front() {
         for &(g, _) in dual.links(f) {
-            if label[g as usize] == UNKNOWN && surface.usable[g as usize] {
+            if label[g as usize] == UNKNOWN {
                 label[g as usize] = label[f as usize];
                 queue.push_back(g);
             }

@@ -6,7 +6,7 @@ use super::dual::DualGraph;
 use super::regions::hierarchy::groups;
 use super::scores::{Candidate, PartScores};
 use crate::contract::{PartJoin, SegmentationSource};
-use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::mesh::{DisjointSets, NONE};
 
 /// A set of faces that the segmentation calls one thing.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Part {
 /// One part a face.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PartLabels {
-    /// Part of each face; [`NONE`] for faces without area. Length: faces.
+    /// Part of each face; Length: faces.
     pub labels: Vec<u32>,
     /// The parts, numbered in order of first face.
     pub parts: Vec<Part>,
@@ -50,12 +50,7 @@ impl PartLabels {
 
 /// Number the connected components of each label. Faces are connected over shared edges and the scores'
 /// bridges; a face and its mate are one place, and so in one component.
-pub fn connected_parts(
-    surface: &Surface,
-    dual: &DualGraph,
-    scores: &PartScores,
-    label: &[i32],
-) -> PartLabels {
+pub fn connected_parts(dual: &DualGraph, scores: &PartScores, label: &[i32]) -> PartLabels {
     let mut labels = vec![NONE; label.len()];
     let mut of_part: Vec<Option<&Candidate>> = Vec::new();
     let mut of_candidate: Vec<i32> = Vec::new();
@@ -66,7 +61,7 @@ pub fn connected_parts(
     }
     let mut stack = Vec::new();
     for seed in 0..label.len() {
-        if labels[seed] != NONE || !surface.usable[seed] {
+        if labels[seed] != NONE {
             continue;
         }
         let id = of_part.len() as u32;
@@ -77,8 +72,7 @@ pub fn connected_parts(
         while let Some(f) = stack.pop() {
             let across = bridges.get(&f).map_or(&[][..], Vec::as_slice);
             for &g in dual.links(f).iter().map(|(g, _)| g).chain(across) {
-                let g_is_free = labels[g as usize] == NONE && surface.usable[g as usize];
-                if g_is_free && label[g as usize] == label[seed] {
+                if labels[g as usize] == NONE && label[g as usize] == label[seed] {
                     labels[g as usize] = id;
                     stack.push(g);
                 }

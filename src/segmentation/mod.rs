@@ -18,7 +18,6 @@ mod network;
 pub mod point_mae;
 pub mod regions;
 mod scores;
-pub mod sheets;
 pub mod thickness;
 mod votes;
 mod weights;
@@ -36,7 +35,6 @@ use crate::sampling::PointCloud;
 use dual::DualGraph;
 use fusion::fuse;
 use regions::{Heard, gather};
-use sheets::Outside;
 
 /// A source of parts.
 pub trait Segmenter {
@@ -47,6 +45,15 @@ pub trait Segmenter {
         cloud: &PointCloud,
         run: &Run,
     ) -> Result<PartScores, SegmentationError>;
+}
+
+/// A surface and its dense cloud.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// The cloud.
+    pub cloud: &'a PointCloud,
 }
 
 /// What the segmentation is told.
@@ -92,9 +99,9 @@ pub fn segment(
     let &SegmentOptions { source, cut } = options;
     let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
         let network = weights.network(device)?;
-        let seen = Outside::of(surface, cloud);
-        let evidence = gather(&seen, Some(&network), run)?;
-        Ok(fuse(&seen, &evidence, &network.classifier, heard, cut, run)?)
+        let seen = Seen { surface, cloud };
+        let evidence = gather(seen, Some(&network), run)?;
+        Ok(fuse(seen, &evidence, &network.classifier, heard, cut, run)?)
     };
     let scores = match source {
         SegmentationSource::Labels => given::Given.segment(surface, cloud, run)?,
@@ -119,7 +126,7 @@ pub fn settle(
     run.cancel.check()?;
     let dual = DualGraph::new(surface);
     let faces = graph_cut::decide(surface, cloud, &dual, scores, run)?;
-    Ok(labels::connected_parts(surface, &dual, scores, &faces))
+    Ok(labels::connected_parts(&dual, scores, &faces))
 }
 
 /// Whether any face has a label.

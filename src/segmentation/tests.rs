@@ -20,8 +20,7 @@ fn surface(bodies: &[(Vec<DVec3>, Vec<[u32; 3]>)]) -> Surface {
         let base = s.positions.len() as u32;
         s.positions.extend(positions);
         s.triangles.extend(triangles.iter().map(|t| t.map(|v| v + base)));
-        let mut origin = crate::mesh::FaceOrigin { primitive: number, ..Default::default() };
-        origin.component = number;
+        let origin = crate::mesh::FaceOrigin { primitive: number, ..Default::default() };
         s.origins.resize(s.triangles.len(), origin);
         s.names.push(format!("body_{number}"));
     }
@@ -39,8 +38,6 @@ fn surface(bodies: &[(Vec<DVec3>, Vec<[u32; 3]>)]) -> Surface {
         .collect();
     s.normals = cross.iter().map(|c| c.normalize_or_zero()).collect();
     s.areas = cross.iter().map(|c| 0.5 * c.length()).collect();
-    s.usable = vec![true; cross.len()];
-    s.reversed = vec![false; cross.len()];
     s.sheet_mate = vec![NONE; cross.len()];
     let bound = |f: fn(DVec3, DVec3) -> DVec3| s.positions.iter().copied().reduce(f).unwrap();
     s.diagonal = bound(DVec3::max).distance(bound(DVec3::min));
@@ -106,7 +103,7 @@ fn parts_of(s: &Surface, source: SegmentationSource) -> PartLabels {
     ask(s, &cloud, source, CUT).unwrap()
 }
 
-/// Every usable face has a part, parts are connected and numbered in order of first face, names
+/// Every face has a part, parts are connected and numbered in order of first face, names
 /// are unique.
 fn assert_sound(s: &Surface, found: &PartLabels) {
     assert_eq!(assert_numbered(s, found), found.parts.len());
@@ -117,7 +114,7 @@ fn assert_numbered(s: &Surface, found: &PartLabels) -> usize {
     assert_eq!(found.labels.len(), s.face_count());
     let mut seen = 0;
     for (f, &l) in found.labels.iter().enumerate() {
-        assert_eq!(l == NONE, !s.usable[f]);
+        assert_ne!(l, NONE, "face {f}");
         if l != NONE {
             assert!(l <= seen, "part {l} comes before part {seen}");
             seen += u32::from(l == seen);
@@ -129,7 +126,7 @@ fn assert_numbered(s: &Surface, found: &PartLabels) -> usize {
     let mut reached = vec![false; s.face_count()];
     let mut components = 0;
     for seed in 0..s.face_count() {
-        if !s.usable[seed] || reached[seed] {
+        if reached[seed] {
             continue;
         }
         components += 1;
@@ -221,7 +218,6 @@ fn what_the_author_said_is_kept() {
     let box_at = |x: i32| voxels(&block([x, 0, 0], [x + 2, 2, 2]));
     let mut s = surface(&[box_at(0), box_at(2), box_at(9)]);
     s.names = vec!["leg".into(), "leg".into(), "seat".into()];
-    s.usable[3] = false;
     let found = parts_of(&s, SegmentationSource::Authored);
     assert_sound(&s, &found);
     let names: Vec<_> = found.parts.iter().map(|p| p.name.as_str()).collect();
@@ -278,25 +274,6 @@ fn components_of_one_label_are_separate_parts() {
     assert_sound(&s, &found);
     let names: Vec<_> = found.parts.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["label_3_1", "label_3_2"]);
-}
-
-#[test]
-fn both_sheets_of_a_double_sided_object_get_the_same_parts() {
-    let one = joined();
-    let n = one.face_count();
-    let back: Vec<[u32; 3]> = one.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let twice = [(one.positions.clone(), one.triangles.clone()), (one.positions.clone(), back)];
-    let mut s = surface(&twice);
-    s.origins = vec![Default::default(); 2 * n];
-    for f in 0..n {
-        s.sheet_mate[f] = (f + n) as u32;
-        s.sheet_mate[f + n] = f as u32;
-    }
-    for source in [SegmentationSource::Geometric, SegmentationSource::Auto] {
-        let found = parts_of(&s, source);
-        assert_eq!(found.labels[..n], found.labels[n..], "{source}");
-    }
-    assert_eq!(parts_of(&s, SegmentationSource::Geometric).parts.len(), 2);
 }
 
 #[test]
@@ -369,16 +346,6 @@ proptest! {
             s.labels = Some((0..n).map(|f| given[f * 7 % 20]).collect());
             prop_assume!(s.labels.iter().flatten().any(|&l| l >= 0));
         }
-        s.usable[n / 2] = false;
-        s.areas[n / 2] = 0.0;
-        for t in &mut s.twin {
-            if *t as usize / 3 == n / 2 {
-                *t = NONE;
-            }
-        }
-        for k in 0..3 {
-            s.twin[3 * (n / 2) + k] = NONE;
-        }
         let found = parts_of(&s, source);
         if source == SegmentationSource::Auto {
             prop_assert!(assert_numbered(&s, &found) >= found.parts.len());
@@ -388,7 +355,7 @@ proptest! {
         prop_assert_eq!(&found, &parts_of(&s, source));
         if let Some(labels) = &s.labels {
             // Given labels are never changed.
-            for f in (0..n).filter(|&f| s.usable[f] && labels[f] >= 0) {
+            for f in (0..n).filter(|&f| labels[f] >= 0) {
                 let name = &found.parts[found.labels[f] as usize].name;
                 let of_label = format!("label_{}", labels[f]);
                 let numbered = format!("{of_label}_");

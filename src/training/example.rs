@@ -7,7 +7,6 @@ use crate::mesh::Surface;
 use crate::mesh::rays::Rays;
 use crate::sampling::{self, PointCloud, SampleCounts, farthest_points};
 use crate::segmentation::point_mae::NetworkCloud;
-use crate::segmentation::sheets::Outside;
 use crate::segmentation::thickness::thickness;
 
 /// Points of an example: twice what the network sees, so that each step draws others.
@@ -46,9 +45,6 @@ impl Example {
         seed: u64,
         run: &Run,
     ) -> Result<Self, Canceled> {
-        // As it is segmented: from outside.
-        let seen = Outside::of_surface(surface);
-        let surface = &*seen.surface;
         let counts = SampleCounts { base: 3 * POINTS, extra: 0.1 };
         let cloud = sampling::sample(surface, counts, seed, run)?;
         let rays = Rays::new(surface);

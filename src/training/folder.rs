@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::names::name_index;
-use crate::contract::{Limits, MeshKind, Run};
+use crate::contract::{Limits, MeshKind, Run, Winding};
 use crate::mesh::{self, Surface};
 
 /// Why a labelled folder cannot be used.
@@ -121,8 +121,10 @@ pub fn read(path: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
             .or_else(|| index(&about.semantic_auto, parts[f]))
             .unwrap_or(-1)
     };
-    let names = (0..faces).map(name).collect();
-    let surface = mesh::condition(&scene, run).map_err(|e| error(path, e))?;
+    let names: Vec<i32> = (0..faces).map(name).collect();
+    let surface =
+        mesh::condition(&scene, Winding::Surface, run).map_err(|e| error(path, e))?.surface;
+    let (parts, names) = (surface.from_file_order(&parts), surface.from_file_order(&names));
     let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let family = if about.family.is_empty() { id.clone() } else { about.family };
     let (category, source) = (about.category, about.source);

@@ -14,13 +14,13 @@ use crate::contract::{Canceled, Run};
 use crate::device::Device;
 use crate::sampling::{PointCloud, SampleCounts, sample};
 use crate::segmentation::Network;
+use crate::segmentation::Seen;
 use crate::segmentation::point_mae::PairHead;
 use crate::segmentation::regions::{
     BoundaryClassifier, Evidence, FEATURES, Heard, Opinion, Region, RegionGraph, agglomerate,
     features::{at, features},
     gather, prepare,
 };
-use crate::segmentation::sheets::Outside;
 
 /// Rounds of agglomeration and training.
 const ROUNDS: usize = 3;
@@ -45,12 +45,10 @@ pub fn know(
     seed: u64,
     run: &Run,
 ) -> Result<Vec<Known>, Canceled> {
-    let one = |mut mesh: LabelledMesh| {
-        let seen = Outside::of_surface(&mesh.surface).surface.into_owned();
-        mesh.surface = seen;
+    let one = |mesh: LabelledMesh| {
         let counts = SampleCounts::dense(mesh.surface.face_count());
         let cloud = sample(&mesh.surface, counts, seed, run)?;
-        let evidence = gather(&Outside::of(&mesh.surface, &cloud), Some(network), run)?;
+        let evidence = gather(Seen { surface: &mesh.surface, cloud: &cloud }, Some(network), run)?;
         Ok(Known { mesh, evidence, cloud })
     };
     meshes.into_par_iter().map(one).collect()

@@ -8,7 +8,7 @@ use super::procedural::{STRETCH, stretch_parts};
 use super::structure::{Structure, scene};
 use super::trainer::TrainError;
 use super::weather::weather;
-use crate::contract::Run;
+use crate::contract::{Run, Winding};
 use crate::mesh;
 use crate::synth::{self, SynthKind};
 
@@ -37,8 +37,9 @@ pub fn procedural_mesh(
     } else {
         (object, structure)
     };
-    let surface = mesh::condition(&scene(&object, structure), run)?;
+    let surface = mesh::condition(&scene(&object, structure), Winding::Surface, run)?.surface;
     let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
+    let parts = surface.from_file_order(&parts);
     let id = format!("{}_{seed}", kind.as_str());
     Ok(LabelledMesh {
         family: id.clone(),

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::folder::{FolderError, LabelledMesh, error};
 use super::names::name_index;
-use crate::contract::{Limits, MeshKind, Run};
+use crate::contract::{Limits, MeshKind, Run, Winding};
 use crate::mesh::{self, Primitive, Scene};
 
 /// The file by which such a folder is known.
@@ -85,7 +85,9 @@ pub fn read(folder: &Path, run: &Run) -> Result<LabelledMesh, FolderError> {
     if scene.primitives.is_empty() {
         return Err(error(&folder.join(TREE), "no leaf of it has objects"));
     }
-    let surface = mesh::condition(&scene, run).map_err(|e| error(folder, e))?;
+    let conditioned = mesh::condition(&scene, Winding::Surface, run);
+    let surface = conditioned.map_err(|e| error(folder, e))?.surface;
+    let (parts, names) = (surface.from_file_order(&parts), surface.from_file_order(&names));
     let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let family = if meta.model_id.is_empty() { id.clone() } else { meta.model_id };
     let source = "PartNet".to_owned();

@@ -9,7 +9,7 @@ use super::example::{Example, Labels, POINTS};
 use super::names::name_index;
 use super::structure::{Structure, scene};
 use super::union;
-use crate::contract::{Canceled, Run};
+use crate::contract::{Canceled, Run, Winding};
 use crate::mesh;
 use crate::mesh::rays::Rays;
 use crate::sampling::{self, SampleCounts};
@@ -43,8 +43,9 @@ pub fn example(style: ProceduralStyle, run: &Run) -> Result<Example, Canceled> {
     let mut object = synth::embellished(style.kind, style.seed);
     stretch_parts(&mut object, stretch);
     let scene = scene(&object, Structure::Nodes);
-    let surface = mesh::condition(&scene, run)?;
+    let surface = mesh::condition(&scene, Winding::Surface, run)?.surface;
     let parts: Vec<i32> = object.labels().iter().map(|&l| l as i32).collect();
+    let parts = surface.from_file_order(&parts);
     let of_part: Vec<i32> =
         object.parts.iter().map(|p| name_index(p.coarse_name()).map_or(-1, |i| i as i32)).collect();
     let names: Vec<i32> = parts.iter().map(|&p| of_part[p as usize]).collect();

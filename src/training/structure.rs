@@ -13,7 +13,7 @@ use crate::synth::SynthObject;
 pub enum Structure {
     /// A node for each part.
     Nodes,
-    /// One primitive; parts share no vertices: each is a file component.
+    /// One primitive; parts share no vertices: each is a shell.
     Components,
     /// One primitive; vertices are split at hard edges.
     Smooth,
@@ -101,40 +101,49 @@ fn split(positions: &[DVec3], triangles: &[[u32; 3]], least: f64) -> (Vec<DVec3>
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
-    use crate::contract::Run;
-    use crate::mesh;
+    use crate::contract::{Run, Winding};
+    use crate::mesh::{self, Surface};
     use crate::segmentation::regions::components::{AuthoredComponents, welded};
     use crate::synth::{SynthKind, SynthStyle, SynthVariant, make};
 
+    fn conditioned(object: &SynthObject, structure: Structure) -> Surface {
+        let scene = scene(object, structure);
+        mesh::condition(&scene, Winding::Surface, &Run::quiet()).unwrap().surface
+    }
+
     #[test]
-    fn each_structure_has_its_file_components_and_the_same_faces() {
+    fn each_structure_has_its_shells_and_the_same_faces() {
         let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
         let object = make(SynthKind::Table, 1, style);
         let count = |structure| {
-            let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
+            let surface = conditioned(&object, structure);
             assert_eq!(surface.face_count(), object.triangle_count());
-            let mut components: Vec<u32> =
-                surface.origins.iter().map(|o| o.file_component).collect();
-            components.sort_unstable();
-            components.dedup();
-            components.len()
+            let mut shells: Vec<u32> = surface.origins.iter().map(|o| o.shell).collect();
+            shells.sort_unstable();
+            shells.dedup();
+            shells.len()
         };
         let parts = object.parts.len();
         assert_eq!(count(Structure::Nodes), parts);
         assert_eq!(count(Structure::Components), parts);
         assert!(count(Structure::Smooth) > parts);
-        assert_eq!(count(Structure::Soup), object.triangle_count());
+        // A soup says nothing but what touches.
+        let welded: BTreeSet<u32> =
+            welded(&conditioned(&object, Structure::Soup)).into_iter().collect();
+        assert_eq!(count(Structure::Soup), welded.len());
     }
 
     #[test]
-    fn file_components_are_the_authored_ones_unless_vertices_are_split_at_hard_edges() {
+    fn shells_are_the_authored_components_unless_vertices_are_split_at_hard_edges() {
         let style = SynthStyle { variant: SynthVariant::MultiNode, triangles: 1000 };
         let object = make(SynthKind::Table, 1, style);
         for structure in Structure::ALL {
-            let surface = mesh::condition(&scene(&object, structure), &Run::quiet()).unwrap();
+            let surface = conditioned(&object, structure);
             let components = AuthoredComponents::new(&surface, &welded(&surface));
-            let told = matches!(structure, Structure::Nodes | Structure::Components);
+            let told = structure != Structure::Smooth;
             assert_eq!(components.told, told, "{structure:?}");
             assert!((components.areas.values().sum::<f64>() - surface.area()).abs() < 1e-9);
             if told {

@@ -55,10 +55,8 @@ pub fn over_cut(
     most: usize,
     run: &Run,
 ) -> Result<Vec<OverCutPart>, Canceled> {
-    let usable = (0..part_of.len() as u32)
-        .filter(|&f| part_of[f as usize] != NONE && surface.usable[f as usize])
-        .collect();
-    let mut mesh = PartMesh::new(surface, usable);
+    let faces = (0..part_of.len() as u32).filter(|&f| part_of[f as usize] != NONE).collect();
+    let mut mesh = PartMesh::new(surface, faces);
     // Parts end where the number changes.
     let differs = |h: usize, t: u32| {
         part_of[mesh.faces[h / 3] as usize] != part_of[mesh.faces[t as usize / 3] as usize]

@@ -22,10 +22,9 @@ const PASSES: usize = 2;
 
 /// Ambient visibility of each face, 0 (sealed) to 1 (open), or nothing where that would take too long.
 pub fn visibility(surface: &Surface, run: &Run) -> Result<Option<Vec<f32>>, Canceled> {
-    let usable = surface.usable.iter().filter(|&&u| u).count();
     let rays = Rays::new(surface);
     let dearer = (rays.expected_visits() / USUAL_VISITS).max(1.0);
-    let each = (MOST_RAYS / dearer / usable.max(1) as f64) as usize;
+    let each = (MOST_RAYS / dearer / surface.face_count().max(1) as f64) as usize;
     if each < 2 {
         return Ok(None);
     }
@@ -34,7 +33,7 @@ pub fn visibility(surface: &Surface, run: &Run) -> Result<Option<Vec<f32>>, Canc
     let mut seen: Vec<f32> = (0..surface.face_count())
         .into_par_iter()
         .map(|f| {
-            if !surface.usable[f] || run.cancel.is_canceled() {
+            if run.cancel.is_canceled() {
                 return 1.0;
             }
             let center = surface.corners(f).into_iter().sum::<DVec3>() / 3.0;

@@ -23,9 +23,7 @@ pub fn initial_patches(
     let limits = ChartLimits::new(surface, options.distortion_bound);
     let visibility = visibility(surface, run)?;
     let part = |f: u32| part_of[f as usize];
-    let mut faces: Vec<u32> = (0..part_of.len() as u32)
-        .filter(|&f| part(f) != NONE && surface.usable[f as usize])
-        .collect();
+    let mut faces: Vec<u32> = (0..part_of.len() as u32).filter(|&f| part(f) != NONE).collect();
     faces.sort_by_key(|&f| part(f));
     let whole: Vec<Vec<u32>> = faces
         .chunk_by(|&f, &g| part(f) == part(g))
@@ -54,7 +52,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::contract::UnwrapOptions;
+    use crate::contract::{UnwrapOptions, Winding};
     use crate::mesh::{Scene, condition};
 
     #[test]
@@ -66,11 +64,16 @@ mod tests {
             [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let run = Run::quiet();
-        let surface = condition(&Scene::from_triangles(positions, triangles), &run).unwrap();
+        let scene = Scene::from_triangles(positions, triangles);
+        let surface = condition(&scene, Winding::Surface, &run).unwrap().surface;
         // The upper side is cut along its diagonal by a border of parts, the lower one is in none.
-        let part_of = [1, 1, 1, 1, 1, 1, 1, 4, 1, 1, NONE, NONE];
+        let part_of = surface.from_file_order(&[1, 1, 1, 1, 1, 1, 1, 4, 1, 1, NONE, NONE]);
         let options = ChartOptions::from(&UnwrapOptions::default());
-        let patch_of = initial_patches(&surface, &part_of, &options, &run).unwrap();
+        let found = initial_patches(&surface, &part_of, &options, &run).unwrap();
+        let mut patch_of = [0; 12];
+        for (origin, &patch) in surface.origins.iter().zip(&found) {
+            patch_of[origin.face as usize] = patch;
+        }
         for side in [0, 2, 4, 8] {
             assert_eq!(patch_of[side], patch_of[side + 1], "{patch_of:?}");
         }

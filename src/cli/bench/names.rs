@@ -15,10 +15,10 @@ use crate::contract::{ArtifactKind, Run};
 use crate::device::{DeviceChoice, choose};
 use crate::preview::{Curve, curves_png};
 use crate::sampling::{SampleCounts, sample};
+use crate::segmentation::Seen;
 use crate::segmentation::fusion::{CUT, fuse};
 use crate::segmentation::naming::{Naming, Platt};
 use crate::segmentation::regions::{Heard, gather};
-use crate::segmentation::sheets::Outside;
 use crate::segmentation::{self, Network};
 use crate::training::read_labelled;
 
@@ -155,9 +155,9 @@ fn object(file: &Path, network: &Network) -> Result<Vec<Row>> {
     }
     let surface = &mesh.surface;
     let cloud = sample(surface, SampleCounts::dense(surface.face_count()), 0, &run)?;
-    let seen = Outside::of(surface, &cloud);
-    let evidence = gather(&seen, Some(network), &run)?;
-    let scores = fuse(&seen, &evidence, &network.classifier, Heard::ALL, CUT, &run)?;
+    let seen = Seen { surface, cloud: &cloud };
+    let evidence = gather(seen, Some(network), &run)?;
+    let scores = fuse(seen, &evidence, &network.classifier, Heard::ALL, CUT, &run)?;
     let found = segmentation::settle(surface, &cloud, &scores, &run)?;
     let names = network_names(&evidence.names, surface.face_count());
     let mut rows = Vec::new();

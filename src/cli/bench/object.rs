@@ -15,7 +15,7 @@ use crate::cli::input::{Beside, Files};
 use crate::contract::{
     ArtifactKind, Limits, Metrics, Quality, Run, SegmentationSource, UnwrapOptions,
 };
-use crate::mesh;
+use crate::mesh::{self, Conditioned, Sides};
 use crate::pipeline::Engine;
 
 /// By how much the bound may exceed the peer's mean distortion.
@@ -52,7 +52,9 @@ fn measure(name: &str, path: &Path, plan: &Plan) -> Result<Measured> {
     let unwrapped = unwrap(&files, plan.options, plan.engine)?;
     let input = files.input();
     let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
-    let surface = mesh::condition(&scene, &Run::quiet())?;
+    let Conditioned { surface, telling } =
+        mesh::condition(&scene, plan.options.winding, &Run::quiet())?;
+    let surface = Sides::of(&surface, &telling, true, false).surface;
     drop(scene);
     let (triangles, double_sided) = (surface.face_count(), surface.repairs.double_sided_faces);
     let peer = peer::measure(&surface);

@@ -15,21 +15,17 @@ pub fn measure(surface: &Surface) -> Option<PeerFigures> {
     let begun = Instant::now();
     let islands = on_components(surface)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let (usable, total) = (surface.usable.iter().filter(|u| **u).count(), surface.area());
-    if usable == 0 {
+    let total = surface.area();
+    if surface.face_count() == 0 {
         return None;
     }
     let raw = match surface.repairs.nonmanifold_edges {
         0 => None,
         _ => flatten::classical_islands(&surface.positions, &surface.triangles).ok(),
     };
-    let counted = |islands: &[Island]| {
-        let usable = |i: &&Island| i.faces.iter().any(|&f| surface.usable[f as usize]);
-        islands.iter().filter(usable).count() as u32
-    };
     Some(PeerFigures {
-        charts: counted(&islands),
-        raw_charts: raw.map_or(counted(&islands), |raw| counted(&raw)),
+        charts: islands.len() as u32,
+        raw_charts: raw.map_or(islands.len(), |raw| raw.len()) as u32,
         seam: seam_length(surface, &islands) / total.sqrt(),
         symmetric_dirichlet: symmetric_dirichlet(surface, &islands),
         seconds,
@@ -85,7 +81,7 @@ fn seam_length(surface: &Surface, islands: &[Island]) -> f64 {
     let next = |h: usize| 3 * (h / 3) + (h + 1) % 3;
     let place = places(surface);
     let mut edges: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-    for h in (0..corner.len()).filter(|h| surface.usable[h / 3]) {
+    for h in 0..corner.len() {
         let mut ends = [surface.from(h as u32), surface.to(h as u32)].map(|v| place[v as usize]);
         ends.sort_unstable();
         edges.entry(ends).or_default().push(h);
@@ -109,8 +105,7 @@ fn seam_length(surface: &Surface, islands: &[Island]) -> f64 {
 fn symmetric_dirichlet(surface: &Surface, islands: &[Island]) -> f64 {
     let (mut direct, mut inverse, mut weight) = (0.0, 0.0, 0.0);
     for island in islands {
-        for (i, &f) in island.faces.iter().enumerate().filter(|(_, f)| surface.usable[**f as usize])
-        {
+        for (i, &f) in island.faces.iter().enumerate() {
             let (s1, s2) = singular_values(island.disk.jacobian(i, &island.uv));
             let area = surface.areas[f as usize];
             direct += area * (s1 * s1 + s2 * s2);
@@ -126,8 +121,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::contract::Run;
-    use crate::mesh::{Scene, condition};
+    use crate::contract::{Run, Winding};
+    use crate::mesh::{Conditioned, Scene, Sides, condition};
 
     /// A quad of two triangles, with both windings or one.
     fn quad(double: bool) -> Surface {
@@ -137,7 +132,10 @@ mod tests {
             triangles.extend([[0, 2, 1], [0, 3, 2]]);
         }
         let positions = corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
-        condition(&Scene::from_triangles(positions, triangles), &Run::quiet()).unwrap()
+        let scene = Scene::from_triangles(positions, triangles);
+        let Conditioned { surface, telling } =
+            condition(&scene, Winding::Surface, &Run::quiet()).unwrap();
+        Sides::of(&surface, &telling, true, false).surface
     }
 
     #[test]

@@ -15,11 +15,11 @@ use crate::contract::{Run, SegmentationSource};
 use crate::device::{DeviceChoice, choose};
 use crate::mesh::Surface;
 use crate::sampling::{SampleCounts, sample};
+use crate::segmentation::Seen;
 use crate::segmentation::agreement::{Agreement, agreement};
 use crate::segmentation::borders::border_agreement;
 use crate::segmentation::fusion::{CUT, fuse};
 use crate::segmentation::regions::{Heard, gather};
-use crate::segmentation::sheets::Outside;
 use crate::segmentation::{self, Network, PartLabels, SegmentOptions, Weights};
 use crate::synth::SynthKind;
 use crate::training::{LabelledMesh, held_out, read_labelled};
@@ -117,10 +117,10 @@ fn object(file: &Path, weights: &Weights, network: &Network, seeds: &[u64]) -> R
     for &seed in seeds {
         let start = Instant::now();
         let cloud = sample(surface, SampleCounts::dense(surface.face_count()), seed, &run)?;
-        let seen = Outside::of(surface, &cloud);
-        let evidence = gather(&seen, Some(network), &run)?;
+        let seen = Seen { surface, cloud: &cloud };
+        let evidence = gather(seen, Some(network), &run)?;
         let fused = |heard| -> Result<Vec<i32>> {
-            let scores = fuse(&seen, &evidence, &network.classifier, heard, CUT, &run)?;
+            let scores = fuse(seen, &evidence, &network.classifier, heard, CUT, &run)?;
             Ok(labels(&segmentation::settle(surface, &cloud, &scores, &run)?))
         };
         let auto = fused(Heard::ALL)?;
@@ -141,7 +141,7 @@ fn object(file: &Path, weights: &Weights, network: &Network, seeds: &[u64]) -> R
             ("auto", auto),
         ];
         for (name, labels) in found {
-            let Agreement { miou, rand } = agreement(&mesh.parts, &labels, &surface.areas);
+            let Agreement { miou, rand, .. } = agreement(&mesh.parts, &labels, &surface.areas);
             let reach = REACH * surface.diagonal;
             let border_f1 = border_agreement(surface, &mesh.parts, &labels, reach).f1;
             let parts: BTreeSet<i32> = labels.into_iter().filter(|l| *l >= 0).collect();

@@ -8,9 +8,11 @@ use serde_json::Value;
 use super::options::unwrap;
 use crate::charts::{self, ChartOptions};
 use crate::cli::input::{Beside, Files};
-use crate::contract::{ArtifactKind, Limits, MeshKind, Metrics, Run, UnwrapOptions};
+use crate::contract::{ArtifactKind, DoubleSided, Limits, MeshKind, Metrics, Run, UnwrapOptions};
 use crate::device::Device;
-use crate::mesh::{self, Document, NONE, Scene, Surface, TexcoordOrigin};
+use crate::mesh::{
+    self, Conditioned, Document, NONE, Scene, Sides, Surface, Telling, TexcoordOrigin,
+};
 use crate::metrics::Measured;
 use crate::pipeline::Engine;
 use crate::preview::StagePictures;
@@ -50,10 +52,12 @@ fn pictures(files: &Files) -> Result<[(&'static str, Vec<u8>); 6]> {
     let metrics = &unwrapped.metrics;
     let input = files.input();
     let scene = mesh::import(input.mesh(), input.kind(), &Limits::default())?;
-    let surface = mesh::condition(&scene, &run)?;
+    let Conditioned { surface, telling } = mesh::condition(&scene, options.winding, &run)?;
+    let both = options.double_sided == DoubleSided::Separate;
+    let Sides { surface, telling, .. } = Sides::of(&surface, &telling, both, true);
     drop(scene);
     let model = unwrapped.artifact(ArtifactKind::Model).context("there is no model")?;
-    let faces = Faces::read(model, &surface)?;
+    let faces = Faces::read(model, &surface, &telling)?;
 
     let counts = SampleCounts::dense(surface.face_count());
     let cloud = sampling::sample(&surface, counts, options.seed.0, &run)?;
@@ -86,10 +90,10 @@ struct Faces {
 }
 
 impl Faces {
-    /// Reads the model of a result. `surface`: what it was made of.
-    fn read(model: &[u8], surface: &Surface) -> Result<Self> {
+    /// Reads the model of a result. `surface`: what it was made of, in the way of `telling`.
+    fn read(model: &[u8], surface: &Surface, telling: &Telling) -> Result<Self> {
         let scene = mesh::import(model, MeshKind::Glb, &Limits::default())?;
-        let count = surface.face_count();
+        let count = telling.face.len();
         let Some(Document::Gltf { json, .. }) = &scene.source else {
             return Err(anyhow!("the model has no document"));
         };
@@ -98,11 +102,17 @@ impl Faces {
         let (chart_of, part_of) = (of_face("face_charts")?, of_face("face_parts")?);
         let file = coordinates(&scene);
         ensure!(file.len() == count, "the model has {} faces and the mesh {count}", file.len());
-        let own = |f: usize| match chart_of[f] {
-            NONE => [[f32::NAN; 2]; 3],
-            _ => [0, 1, 2].map(|k| file[f][surface.file_corner(f, k)]),
-        };
-        Ok(Self { uvs: (0..count).map(own).collect(), chart_of, part_of })
+        let faces = surface.face_count();
+        let mut uvs = vec![[[f32::NAN; 2]; 3]; faces];
+        let (mut charts, mut parts) = (vec![NONE; faces], vec![NONE; faces]);
+        for (i, &f) in telling.face.iter().enumerate().filter(|(_, f)| **f != NONE) {
+            let f = f as usize;
+            (charts[f], parts[f]) = (chart_of[i], part_of[i]);
+            for k in (0..3).filter(|_| chart_of[i] != NONE) {
+                uvs[f][telling.corner(surface, i, k)] = file[i][k];
+            }
+        }
+        Ok(Self { uvs, chart_of: charts, part_of: parts })
     }
 
     fn measured<'a>(
@@ -152,6 +162,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::contract::Winding;
     use crate::mesh::condition;
     use crate::preview::STAGE_SIZE;
 
@@ -199,9 +210,10 @@ mod tests {
         let unwrapped = unwrap(&files, &UnwrapOptions::default(), &engine).unwrap();
         let (input, run) = (files.input(), Run::quiet());
         let scene = mesh::import(input.mesh(), input.kind(), &Limits::default()).unwrap();
-        let surface = condition(&scene, &run).unwrap();
+        let Conditioned { surface, telling } = condition(&scene, Winding::Surface, &run).unwrap();
+        let Sides { surface, telling, .. } = Sides::of(&surface, &telling, true, true);
         let model = unwrapped.artifact(ArtifactKind::Model).unwrap();
-        let faces = Faces::read(model, &surface).unwrap();
+        let faces = Faces::read(model, &surface, &telling).unwrap();
         let measured = faces.measured(&surface, &unwrapped.metrics, &[]);
         let figures = crate::metrics::measure(&measured, &run).unwrap();
         assert_eq!(
@@ -210,7 +222,7 @@ mod tests {
         );
         assert!(figures.atlas.symmetric_dirichlet.is_some());
         assert_eq!(figures.atlas.seam_edges, unwrapped.metrics.atlas.figures.seam_edges);
-        assert!(Faces::read(b"glTF", &surface).is_err());
+        assert!(Faces::read(b"glTF", &surface, &telling).is_err());
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! The proxy put together: what is left of dense components in the place of their faces, their copies, and
-//! all else as it is.
+//! The proxy put together: what is left of dense components in the place of their faces, and all else as it
+//! is.
 
 use std::sync::Arc;
 
@@ -8,13 +8,6 @@ use glam::DVec3;
 use super::dense::Dense;
 use super::{EXISTING, Place, Proxy};
 use crate::mesh::{NONE, Surface};
-
-/// The half-edge of its face's mate that runs along a half-edge the other way.
-pub fn mirrored(surface: &Surface, h: u32) -> u32 {
-    let (mate, end) = (surface.sheet_mate[h as usize / 3], surface.to(h));
-    let triangle = surface.triangles[mate as usize];
-    3 * mate + triangle.iter().position(|&v| v == end).unwrap_or(0) as u32
-}
 
 /// A proxy in the making. Vertices and faces have the fine surface's numbers until it is finished.
 pub struct Builder<'a> {
@@ -40,21 +33,21 @@ impl<'a> Builder<'a> {
         features: Vec<u8>,
     ) -> Self {
         let mut places = vec![Place::default(); positions.len()];
-        for (f, t) in (0u32..).zip(&corners).filter(|(f, _)| surface.usable[*f as usize]) {
+        for (f, t) in (0u32..).zip(&corners) {
             for (k, &v) in t.iter().enumerate() {
                 let mut weights = [0.0; 3];
                 weights[k] = 1.0;
                 places[v as usize] = Place { face: f, weights };
             }
         }
-        let face = |(f, &usable): (u32, &bool)| if usable { f } else { NONE };
+        let count = surface.face_count();
         Self {
             triangles: corners.clone(),
             twin: surface.twin.clone(),
-            left: surface.usable.clone(),
-            collapsed: vec![false; surface.face_count()],
+            left: vec![true; count],
+            collapsed: vec![false; count],
             existing: surface.existing_seams.clone(),
-            face: (0u32..).zip(&surface.usable).map(face).collect(),
+            face: (0..count as u32).collect(),
             surface,
             positions,
             corners,
@@ -90,39 +83,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A component gets what is left of the one that it lies on, turned over.
-    pub fn copy(&mut self, faces: &[u32]) {
-        let surface = self.surface;
-        // Corner of the mate that lies where a corner of the face lies.
-        let corner = |f: u32, k: usize| {
-            let mate = surface.sheet_mate[f as usize];
-            let vertex = surface.triangles[f as usize][k];
-            surface.triangles[mate as usize].iter().position(|&v| v == vertex).unwrap_or(0)
-        };
-        for &f in faces {
-            let mate = surface.sheet_mate[f as usize] as usize;
-            self.left[f as usize] = self.left[mate];
-            self.collapsed[f as usize] = true;
-            self.face[f as usize] = surface.sheet_mate[self.face[mate] as usize];
-            self.triangles[f as usize] = [0, 1, 2].map(|k| self.triangles[mate][corner(f, k)]);
-            for k in 0..3 {
-                let h = 3 * f + k as u32;
-                let other = mirrored(surface, h) as usize;
-                self.twin[h as usize] = match self.twin[other] {
-                    NONE => NONE,
-                    t => mirrored(surface, t),
-                };
-                if !self.existing.is_empty() {
-                    self.existing[h as usize] = self.existing[other];
-                }
-                let place = self.places[self.corners[mate][corner(f, k)] as usize];
-                let there = surface.sheet_mate[place.face as usize];
-                let weights = [0, 1, 2].map(|j| place.weights[corner(there, j)]);
-                self.places[self.corners[f as usize][k] as usize] = Place { face: there, weights };
-            }
-        }
-    }
-
     /// Number faces and vertices anew.
     pub fn finish(self) -> Proxy {
         let Self { surface, left, positions, triangles, .. } = self;
@@ -151,20 +111,14 @@ impl<'a> Builder<'a> {
         };
         let mate = |&f: &u32| match surface.sheet_mate[f as usize] {
             NONE => NONE,
-            mate => {
-                // Only of what is a copy, or stands as it is.
-                let mate = number[mate as usize];
-                let own = &triangles[number[f as usize] as usize];
-                let same = mate != NONE && own.iter().all(|v| triangles[mate as usize].contains(v));
-                let as_is = !self.collapsed[f as usize];
-                if mate != NONE && (same || as_is) { mate } else { NONE }
-            }
+            // What was collapsed stands where nothing else does.
+            mate => match self.collapsed[f as usize] || self.collapsed[mate as usize] {
+                true => NONE,
+                false => number[mate as usize],
+            },
         };
-        let number_of = |f: u32| if f == NONE { NONE } else { number[f as usize] };
         let coarse = Surface {
             twin: half_edges().map(|h| half_edge(self.twin[h])).collect(),
-            reversed: left_of.iter().map(|&f| surface.reversed[f as usize]).collect(),
-            usable: vec![true; left_of.len()],
             normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
             areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
             sheet_mate: left_of.iter().map(mate).collect(),
@@ -187,8 +141,8 @@ impl<'a> Builder<'a> {
         Proxy {
             surface: Arc::new(coarse),
             collapsed: left_of.iter().map(|&f| self.collapsed[f as usize]).collect(),
-            face: self.face.into_iter().map(number_of).collect(),
-            places: places.map(|p| Place { face: number_of(p.face), ..p }).collect(),
+            face: self.face.into_iter().map(|f| number[f as usize]).collect(),
+            places: places.map(|p| Place { face: number[p.face as usize], ..p }).collect(),
             left_of,
             corners: self.corners,
             features: self.features,

@@ -13,12 +13,12 @@ const SHELL: usize = 64;
 
 /// What each half-edge is, 0 for nothing.
 pub fn features(surface: &Surface) -> Vec<u8> {
-    let shells = surface.origins.iter().map(|o| o.file_component + 1).max().unwrap_or(0);
+    let shells = surface.origins.iter().map(|o| o.shell + 1).max().unwrap_or(0);
     let heeds_shells = shells as usize * SHELL <= surface.face_count();
     let labels = surface.labels.as_deref();
     let says = |f: usize| {
         let o = &surface.origins[f];
-        let shell = if heeds_shells { o.file_component } else { 0 };
+        let shell = if heeds_shells { o.shell } else { 0 };
         (o.primitive, shell, labels.map_or(-1, |labels| labels[f]))
     };
     let kind = |(h, &t): (usize, &u32)| {

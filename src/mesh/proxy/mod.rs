@@ -10,14 +10,14 @@ mod features;
 mod place;
 mod quadric;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::{NONE, Surface};
 use crate::contract::{Canceled, Run};
-use builder::{Builder, mirrored};
+use builder::Builder;
 use dense::Dense;
 use features::features;
 pub use place::Place;
@@ -74,7 +74,7 @@ pub struct Proxy {
     pub left_of: Vec<u32>,
     /// Whether each proxy face belongs to a component that was collapsed. Length: proxy faces.
     pub collapsed: Vec<bool>,
-    /// The proxy face that each fine face lies on; [`NONE`] for faces without area. Length: fine faces.
+    /// The proxy face that each fine face lies on. Length: fine faces.
     pub face: Vec<u32>,
     /// Where each fine vertex lies. A vertex with several fans of faces counts once for each.
     pub places: Vec<Place>,
@@ -88,7 +88,7 @@ pub struct Proxy {
 pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Proxy>, Canceled> {
     let roots = surface.components(|_| true);
     let mut components: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for f in (0..surface.face_count() as u32).filter(|&f| surface.usable[f as usize]) {
+    for f in 0..surface.face_count() as u32 {
         components.entry(roots[f as usize]).or_default().push(f);
     }
     components.retain(|_, faces| faces.len() > size.dense);
@@ -105,14 +105,9 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     if components.is_empty() {
         return Ok(None);
     }
-    // Of two sheets that lie on each other the second copies the first.
-    let copies = |faces: &[u32]| {
-        let mate = surface.sheet_mate[faces[0] as usize];
-        mate != NONE && roots[mate as usize] < roots[faces[0] as usize] && is_copy(surface, faces)
-    };
-    let (copies, sources): (Vec<Vec<u32>>, Vec<Vec<u32>>) =
-        components.into_values().partition(|faces| copies(faces));
-    let dense: Result<Vec<Dense>, Canceled> = sources
+    let dense: Result<Vec<Dense>, Canceled> = components
+        .into_values()
+        .collect::<Vec<_>>()
         .into_par_iter()
         .map(|faces| {
             let rough = is_rough(surface, &faces);
@@ -134,14 +129,9 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     if dense.is_empty() {
         return Ok(None);
     }
-    let of: BTreeSet<u32> = dense.iter().map(|dense| roots[dense.faces[0] as usize]).collect();
     let mut builder = Builder::new(surface, positions, corners, features);
     for dense in dense {
         builder.put(&dense);
-    }
-    let mate = |faces: &Vec<u32>| roots[surface.sheet_mate[faces[0] as usize] as usize];
-    for faces in copies.iter().filter(|faces| of.contains(&mate(faces))) {
-        builder.copy(faces);
     }
     Ok(Some(builder.finish()))
 }
@@ -154,18 +144,6 @@ fn euler(surface: &Surface, faces: &[u32], corners: &[[u32; 3]]) -> i64 {
     let half_edges = faces.iter().flat_map(|&f| 3 * f..3 * f + 3);
     let once = |&h: &u32| surface.twin[h as usize] == NONE || surface.twin[h as usize] > h;
     vertices.len() as i64 - half_edges.filter(once).count() as i64 + faces.len() as i64
-}
-
-/// Whether every face has its mate on one other component, and neighbours have neighbours.
-fn is_copy(surface: &Surface, faces: &[u32]) -> bool {
-    let mate = |f: u32| surface.sheet_mate[f as usize];
-    let edge = |h: u32| {
-        let t = surface.twin[h as usize];
-        let across = surface.twin[mirrored(surface, h) as usize];
-        t == across || (t != NONE && across != NONE && mate(t / 3) == across / 3)
-    };
-    faces.iter().all(|&f| mate(f) != NONE && mate(mate(f)) == f)
-        && faces.iter().flat_map(|&f| 3 * f..3 * f + 3).all(edge)
 }
 
 #[cfg(test)]

@@ -3,25 +3,26 @@
 use glam::DVec3;
 
 use super::*;
+use crate::contract::Winding;
 use crate::mesh::{Scene, condition};
 
 const SIZE: ProxySize = ProxySize { dense: 12_000, coarse: 8_000 };
 
-/// A wavy sheet of 2 n² faces, or both sides of one.
-fn wavy(n: u32, both: bool) -> Surface {
+fn conditioned(scene: &Scene) -> Surface {
+    condition(scene, Winding::Surface, &Run::quiet()).unwrap().surface
+}
+
+/// A wavy sheet of 2 n² faces.
+fn wavy(n: u32) -> Surface {
     let at = |i: u32| f64::from(i) / f64::from(n);
     let positions = (0..(n + 1) * (n + 1)).map(|i| {
         let (x, y) = (at(i % (n + 1)), at(i / (n + 1)));
         DVec3::new(x, y, 0.05 * (9.0 * x).sin() * (7.0 * y).cos())
     });
     let quads = (0..n * n).map(|i| i / n * (n + 1) + i % n);
-    let mut faces: Vec<[u32; 3]> =
-        quads.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
-    if both {
-        faces.extend(faces.clone().iter().map(|&[a, b, c]| [a, c, b]));
-    }
-    let scene = Scene::from_triangles(positions.collect(), faces);
-    condition(&scene, &Run::quiet()).unwrap()
+    let faces = quads.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+    let scene = Scene::from_triangles(positions.collect(), faces.collect());
+    conditioned(&scene)
 }
 
 fn is_sound(p: &Proxy) {
@@ -35,12 +36,12 @@ fn is_sound(p: &Proxy) {
 
 #[test]
 fn a_few_faces_need_no_proxy() {
-    assert!(proxy(&wavy(70, false), SIZE, &Run::quiet()).unwrap().is_none());
+    assert!(proxy(&wavy(70), SIZE, &Run::quiet()).unwrap().is_none());
 }
 
 #[test]
 fn a_sheet_keeps_shape_topology_and_border() {
-    let fine = wavy(120, false);
+    let fine = wavy(120);
     let p = proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap();
     is_sound(&p);
     assert!(p.surface.face_count() <= SIZE.coarse && p.surface.face_count() > SIZE.coarse - 3);
@@ -61,28 +62,8 @@ fn a_sheet_keeps_shape_topology_and_border() {
 }
 
 #[test]
-fn the_other_side_is_its_copy() {
-    let fine = wavy(120, true);
-    let p = proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap();
-    is_sound(&p);
-    let s = &p.surface;
-    assert_eq!(s.face_count() % 2, 0);
-    for (f, &mate) in (0u32..).zip(&s.sheet_mate) {
-        assert_eq!(s.sheet_mate[mate as usize], f);
-        let [mut a, mut b] = [f, mate].map(|f| s.triangles[f as usize]);
-        assert!(s.normals[f as usize].dot(s.normals[mate as usize]) < -0.999);
-        a.sort_unstable();
-        b.sort_unstable();
-        assert_eq!(a, b);
-    }
-    for (f, &mate) in (0u32..).zip(&fine.sheet_mate) {
-        assert_eq!(s.sheet_mate[p.face[f as usize] as usize], p.face[mate as usize]);
-    }
-}
-
-#[test]
 fn what_the_caller_says_ends_where_it_ended() {
-    let mut fine = wavy(120, false);
+    let mut fine = wavy(120);
     // A disk in the middle.
     let label =
         |f: usize| i32::from(fine.centroid(f).truncate().distance(glam::DVec2::splat(0.5)) < 0.3);
@@ -98,7 +79,7 @@ fn what_the_caller_says_ends_where_it_ended() {
 
 #[test]
 fn the_same_at_any_number_of_threads() {
-    let fine = wavy(100, false);
+    let fine = wavy(100);
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| proxy(&fine, SIZE, &Run::quiet()).unwrap().unwrap())
@@ -110,13 +91,13 @@ fn the_same_at_any_number_of_threads() {
 
 #[test]
 fn lace_and_what_cannot_be_collapsed_stay_as_they_are() {
-    let fine = wavy(120, false);
+    let fine = wavy(120);
     let faces = |keep: &dyn Fn(u32) -> bool| -> Vec<[u32; 3]> {
         (0u32..).zip(&fine.triangles).filter(|(f, _)| keep(*f)).map(|(_, t)| *t).collect()
     };
     let made = |triangles: Vec<[u32; 3]>, labels: Option<Vec<i32>>| {
         let scene = Scene { labels, ..Scene::from_triangles(fine.positions.clone(), triangles) };
-        let fine = condition(&scene, &Run::quiet()).unwrap();
+        let fine = conditioned(&scene);
         proxy(&fine, SIZE, &Run::quiet()).unwrap()
     };
     // Every tenth cell both ways is a hole, 144 in all; then two only.
@@ -132,11 +113,11 @@ fn lace_and_what_cannot_be_collapsed_stay_as_they_are() {
 
 #[test]
 fn a_rough_sheet_gets_a_coarser_proxy() {
-    let fine = wavy(120, false);
+    let fine = wavy(120);
     let mut random = crate::device::Seeded::new(3, 0);
     let shaken = fine.positions.iter().map(|p| *p + DVec3::Z * 0.004 * random.unit_f64());
     let scene = Scene::from_triangles(shaken.collect(), fine.triangles.clone());
-    let rough = condition(&scene, &Run::quiet()).unwrap();
+    let rough = conditioned(&scene);
     let left = |surface| proxy(surface, SIZE, &Run::quiet()).unwrap().unwrap().surface.face_count();
     assert!(left(&rough) <= 4_800 && left(&fine) > 7_990);
 }

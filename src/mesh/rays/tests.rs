@@ -11,7 +11,6 @@ fn soup(triangles: &[[DVec3; 3]]) -> Surface {
         diagonal: low.distance(high),
         positions,
         triangles: (0..n as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
-        usable: vec![true; n],
         sheet_mate: vec![NONE; n],
         ..Surface::default()
     }

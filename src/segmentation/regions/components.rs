@@ -1,4 +1,4 @@
-//! The authored components of a file, and which of them are alike. A file component,
+//! The authored components of a file, and which of them are alike. A shell,
 //! faces that are connected by the file's own vertices, may be a thing that stands beside others, as a
 //! screen in its frame does, or a smooth area of a file that splits vertices at hard edges, as most
 //! exporters do for normals. What tells them apart: who splits at hard edges leaves none inside a file
@@ -11,8 +11,8 @@ use crate::mesh::{DisjointSets, NONE, Surface};
 /// Edges that bend more than this are hard (radians).
 const HARD: f64 = 0.7;
 
-/// From this share of hard edges inside file components on, these are the authored ones. Of labelled
-/// authored objects, parts end at 60 % of the length between file components where the share is higher,
+/// From this share of hard edges inside shells on, these are the authored ones. Of labelled
+/// authored objects, parts end at 60 % of the length between shells where the share is higher,
 /// at 1 % where it is lower, and few objects lie between 0.3 and 0.6.
 const INSIDE: f64 = 0.6;
 
@@ -22,11 +22,11 @@ const ALIKE: f64 = 0.004;
 /// Authored components of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AuthoredComponents {
-    /// Authored component of each face, [`NONE`] for faces that are not usable.
+    /// Authored component of each face.
     pub of_face: Vec<u32>,
     /// Area of each, world units squared.
     pub areas: BTreeMap<u32, f64>,
-    /// Whether they are the file components, and there are several; if not, they are the welded ones.
+    /// Whether they are the shells, and there are several; if not, they are the welded ones.
     pub told: bool,
     /// Root of the probability that two places lie on different ones: 0 for one, whatever specks are
     /// beside it, near 1 for many of a size.
@@ -38,7 +38,7 @@ impl AuthoredComponents {
     pub fn new(surface: &Surface, welded: &[u32]) -> Self {
         let told = hard_inside(surface) >= INSIDE;
         let of_face = if told {
-            number(surface, |h, t| file_component(surface, h) == file_component(surface, t))
+            number(surface, |h, t| shell(surface, h) == shell(surface, t))
         } else {
             welded.to_vec()
         };
@@ -60,7 +60,7 @@ impl AuthoredComponents {
 /// Authored components that are alike in area, such as the keys of a keyboard or the legs of a chair.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Alike {
-    /// Group of each face's component, [`NONE`] for faces that are not usable.
+    /// Group of each face's component.
     pub of_face: Vec<u32>,
     /// Components of each group.
     pub components: Vec<u32>,
@@ -102,17 +102,16 @@ fn number(surface: &Surface, holds: impl Fn(u32, u32) -> bool) -> Vec<u32> {
     for (f, &m) in (0u32..).zip(&surface.sheet_mate).filter(|(_, m)| **m != NONE) {
         sets.join(f, m);
     }
-    let of = |f: u32| if surface.usable[f as usize] { sets.root(f) } else { NONE };
-    (0..surface.face_count() as u32).map(of).collect()
+    (0..surface.face_count() as u32).map(|f| sets.root(f)).collect()
 }
 
-/// Share of the length of hard edges that lies inside file components; 1 if there are no hard edges.
+/// Share of the length of hard edges that lies inside shells; 1 if there are no hard edges.
 fn hard_inside(surface: &Surface) -> f64 {
     let (mut inside, mut all) = (0.0, 0.0);
     for (h, t) in edges(surface).filter(|(h, _)| surface.dihedral(*h).abs() > HARD) {
         let length = surface.length(h);
         all += length;
-        if file_component(surface, h) == file_component(surface, t) {
+        if shell(surface, h) == shell(surface, t) {
             inside += length;
         }
     }
@@ -125,6 +124,6 @@ fn edges(surface: &Surface) -> impl Iterator<Item = (u32, u32)> {
     halves.filter(|(h, t)| *t != NONE && h < t)
 }
 
-fn file_component(surface: &Surface, h: u32) -> u32 {
-    surface.origins[h as usize / 3].file_component
+fn shell(surface: &Surface, h: u32) -> u32 {
+    surface.origins[h as usize / 3].shell
 }

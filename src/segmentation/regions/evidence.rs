@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 
 use glam::DVec3;
 
+use super::super::Seen;
 use super::super::network::Network;
 use super::super::point_mae::{NAMES, NetworkCloud};
-use super::super::sheets::Outside;
 use super::super::thickness::thickness;
 use crate::contract::{Canceled, Run};
 use crate::mesh::rays::Rays;
@@ -40,8 +40,8 @@ pub struct Evidence {
 }
 
 /// Gather the evidence, with a network or without.
-pub fn gather(seen: &Outside, network: Option<&Network>, run: &Run) -> Result<Evidence, Canceled> {
-    let (surface, cloud) = (&*seen.surface, &*seen.cloud);
+pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Evidence, Canceled> {
+    let Seen { surface, cloud } = seen;
     if cloud.is_empty() {
         return Ok(Evidence { thickness: vec![0.0; surface.face_count()], ..Default::default() });
     }

@@ -199,16 +199,17 @@ mod tests {
     use glam::{DMat3, DVec3};
 
     use super::*;
-    use crate::contract::{Limits, MeshKind, Run};
+    use crate::contract::{Limits, MeshKind, Run, Winding};
 
     /// The unit cube in two regions: four sides; top and bottom.
     fn cube() -> RegionGraph {
         let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
             f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 1 4 3 2\nf 5 6 7 8\n";
         let scene = crate::mesh::import(text.as_bytes(), MeshKind::Obj, &Limits::default());
-        let surface = crate::mesh::condition(&scene.unwrap(), &Run::quiet()).unwrap();
+        let conditioned = crate::mesh::condition(&scene.unwrap(), Winding::Surface, &Run::quiet());
+        let surface = conditioned.unwrap().surface;
         let evidence = Evidence { thickness: vec![0.0; 12], ..Default::default() };
-        let patch: Vec<u32> = (0..12).map(|f| u32::from(f >= 8)).collect();
+        let patch: Vec<u32> = surface.origins.iter().map(|o| u32::from(o.face >= 8)).collect();
         let components =
             AuthoredComponents::new(&surface, &super::super::components::welded(&surface));
         RegionGraph::new(&surface, &evidence, (&patch, 2), (&[], components), None)

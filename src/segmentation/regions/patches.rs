@@ -56,9 +56,6 @@ fn number(surface: &Surface, sets: &mut DisjointSets) -> (Vec<u32>, usize) {
     let mut number = vec![NONE; surface.face_count()];
     let mut count = 0;
     let patch = (0..surface.face_count() as u32).map(|f| {
-        if !surface.usable[f as usize] {
-            return NONE;
-        }
         let root = sets.root(f) as usize;
         if number[root] == NONE {
             number[root] = count;

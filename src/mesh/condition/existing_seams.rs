@@ -1,7 +1,8 @@
 //! Seams that the file's own texture coordinates have: where an artist has cut before. A new cut that
 //! can follow them is cheaper (docs/method.md, 4.1).
 
-use super::{NONE, Scene};
+use super::file::FileFaces;
+use crate::mesh::{NONE, Scene, Surface};
 
 /// Corners whose coordinates are this close, over the coordinates' range, are together.
 const TOGETHER: f32 = 1e-5;
@@ -10,22 +11,26 @@ const TOGETHER: f32 = 1e-5;
 /// nothing.
 const SCATTERED: f64 = 0.5;
 
-/// Whether each half-edge is such a seam; empty where the file says nothing. `reversed` and `twin` are
-/// the surface's.
-pub fn existing_seams(scene: &Scene, reversed: &[bool], twin: &[u32]) -> Vec<bool> {
+/// Whether each half-edge of the surface is such a seam; empty where the file says nothing.
+pub fn existing_seams(scene: &Scene, file: &FileFaces, surface: &Surface) -> Vec<bool> {
     if scene.primitives.iter().all(|p| p.texcoords().is_none()) {
         return Vec::new();
     }
-    let mut corners: Vec<[f32; 2]> = Vec::with_capacity(twin.len());
+    let twin = &surface.twin;
+    let mut of_file: Vec<[[f32; 2]; 3]> = Vec::with_capacity(file.triangles.len());
     for primitive in &scene.primitives {
         match primitive.texcoords() {
-            Some(texcoords) => corners.extend(texcoords.flatten()),
-            None => corners.resize(corners.len() + 3 * primitive.triangles.len(), [f32::NAN; 2]),
+            Some(texcoords) => of_file.extend(texcoords),
+            None => of_file.resize(of_file.len() + primitive.triangles.len(), [[f32::NAN; 2]; 3]),
         }
     }
-    for (f, _) in reversed.iter().enumerate().filter(|(_, r)| **r) {
-        corners.swap(3 * f + 1, 3 * f + 2);
-    }
+    let corner = |h: usize| {
+        let face = surface.origins[h / 3].face as usize;
+        let vertex = surface.triangles[h / 3][h % 3];
+        let k = file.welded[face].iter().position(|&v| v == vertex).unwrap_or(0);
+        of_file[face][k]
+    };
+    let corners: Vec<[f32; 2]> = (0..twin.len()).map(corner).collect();
     let known = || corners.iter().flatten().filter(|x| x.is_finite());
     let low = known().copied().fold(f32::INFINITY, f32::min);
     let high = known().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -50,7 +55,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::contract::Run;
+    use crate::contract::{Run, Winding};
     use crate::mesh::{Attribute, TEXCOORD, Values, condition};
 
     /// A strip of two quads whose coordinates jump by `gap` at the edge between them, and by `step` at
@@ -73,19 +78,28 @@ mod tests {
         scene
     }
 
+    fn conditioned(scene: &Scene) -> Surface {
+        condition(scene, Winding::Surface, &Run::quiet()).unwrap().surface
+    }
+
+    fn seams_of(scene: &Scene) -> Vec<bool> {
+        conditioned(scene).existing_seams
+    }
+
     #[test]
     fn a_seam_is_where_coordinates_part() {
-        let surface = condition(&strip(1.0, 0.0), &Run::quiet()).unwrap();
+        let surface = conditioned(&strip(1.0, 0.0));
         let seams: Vec<usize> = (0..12).filter(|&h| surface.existing_seams[h]).collect();
-        assert_eq!(seams, [1, 11], "the edge between the quads, from both sides");
-        assert!(condition(&strip(0.0, 0.0), &Run::quiet()).unwrap().existing_seams.is_empty());
+        let ends = |&h: &usize| [surface.from(h as u32), surface.to(h as u32)].map(|v| v / 2);
+        assert_eq!(seams.iter().map(ends).collect::<Vec<_>>(), [[1, 1]; 2], "between the quads");
+        assert!(seams_of(&strip(0.0, 0.0)).is_empty());
     }
 
     #[test]
     fn coordinates_of_single_faces_say_nothing() {
         let mut scene = strip(0.0, 10.0);
-        assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
+        assert!(seams_of(&scene).is_empty());
         scene.primitives[0].attributes.clear();
-        assert!(condition(&scene, &Run::quiet()).unwrap().existing_seams.is_empty());
+        assert!(seams_of(&scene).is_empty());
     }
 }

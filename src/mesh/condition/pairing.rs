@@ -1,0 +1,193 @@
+//! Which half-edges are twins. Windings say nothing here, since files have them any way: the faces at an edge
+//! are its wings, and of more than two the flattest pairs go together. A double-sided object, whose faces stand
+//! twice, is so one surface, and at the rim where shelf and wall meet the wall goes on. Only among pairs that
+//! are equally flat, as where two sheets of other triangles lie on each other, the file's windings are heard.
+
+use glam::DVec3;
+
+use super::orient::ascends;
+use super::places::Class;
+use super::walls::Walls;
+use crate::mesh::NONE;
+
+/// Wings that lie on each other (cosine of the angle between them) are not one surface.
+const FOLDED: f64 = 0.9999;
+
+/// Half-edges grouped by the (unordered) edge they run along: half-edge numbers sorted by edge, and
+/// where each group starts.
+pub struct EdgeGroups {
+    order: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl EdgeGroups {
+    /// Group the half-edges.
+    pub fn new(triangles: &[[u32; 3]]) -> Self {
+        let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
+        for (f, t) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (u64::from(t[k]), u64::from(t[(k + 1) % 3]));
+                keyed.push(((a.min(b) << 32) | a.max(b), (3 * f + k) as u32));
+            }
+        }
+        keyed.sort_unstable();
+        let mut starts = Vec::new();
+        for i in 0..keyed.len() {
+            if i == 0 || keyed[i].0 != keyed[i - 1].0 {
+                starts.push(i as u32);
+            }
+        }
+        starts.push(keyed.len() as u32);
+        Self { order: keyed.into_iter().map(|(_, h)| h).collect(), starts }
+    }
+
+    /// The half-edges of each edge, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|w| &self.order[w[0] as usize..w[1] as usize])
+    }
+}
+
+/// The faces that are paired.
+pub struct Wings<'a> {
+    /// Vertex positions.
+    pub positions: &'a [DVec3],
+    /// Vertex triples.
+    pub triangles: &'a [[u32; 3]],
+    /// What must agree first where there is a choice: the class of each face.
+    pub class: &'a [Class],
+    /// Whether the file winds each face through its vertices in ascending order.
+    pub ascending: &'a [bool],
+    /// Whether only half-edges of opposite directions are paired: windings count.
+    pub directed: bool,
+}
+
+impl Wings<'_> {
+    /// Direction of a face as seen from its edge, perpendicular to that, of unit length.
+    pub fn wing(&self, h: u32) -> DVec3 {
+        let (t, k) = (self.triangles[h as usize / 3], h as usize % 3);
+        let at = |k: usize| self.positions[t[k % 3] as usize];
+        let along = (at(k + 1) - at(k)).normalize_or_zero();
+        let to = at(k + 2) - at(k);
+        (to - along * along.dot(to)).normalize_or_zero()
+    }
+
+    /// Whether the file winds two faces alike at their common edge.
+    fn agree(&self, a: u32, b: u32) -> bool {
+        let ahead = |h: u32| ascends(self.triangles, h) == self.ascending[h as usize / 3];
+        ahead(a) != ahead(b)
+    }
+
+    fn may_pair(&self, a: u32, b: u32) -> bool {
+        a / 3 != b / 3
+            && (!self.directed || ascends(self.triangles, a) != ascends(self.triangles, b))
+    }
+}
+
+/// The twin of every half-edge, [`NONE`] where there is none. The second sides of `walls` are faces of their
+/// own at the end of `triangles`.
+pub fn pair(wings: &Wings, groups: &EdgeGroups, walls: &Walls) -> Vec<u32> {
+    let mut pairing = Pairing {
+        wings,
+        twin: vec![NONE; 3 * wings.triangles.len()],
+        sheets: OrientedSets::new(wings.triangles.len()),
+    };
+    let mut crowded: Vec<&[u32]> = Vec::new();
+    for group in groups.iter() {
+        match *group {
+            [_] => {}
+            [a, b] => {
+                let apart = || wings.wing(a).dot(wings.wing(b)) <= FOLDED;
+                if wings.may_pair(a, b) && apart() {
+                    pairing.join(a, b, false);
+                }
+            }
+            _ => crowded.push(group),
+        }
+    }
+    let mut candidates: Vec<(i64, bool, bool, u32, u32)> = Vec::new();
+    for group in crowded {
+        if let Some(pairs) = walls.pairs(wings, group) {
+            pairs.into_iter().for_each(|(a, b)| pairing.join(a, b, false));
+            continue;
+        }
+        let directions: Vec<DVec3> = group.iter().map(|&h| wings.wing(h)).collect();
+        for (j, &b) in group.iter().enumerate() {
+            for (i, &a) in group[..j].iter().enumerate() {
+                let cosine = directions[i].dot(directions[j]);
+                if cosine <= FOLDED && wings.may_pair(a, b) {
+                    let (f, g) = (a as usize / 3, b as usize / 3);
+                    // Rounded, so that layers that lie on each other compare equal.
+                    let bend = (cosine * 1e6).round() as i64;
+                    let differ = wings.class[f] != wings.class[g];
+                    candidates.push((bend, differ, !wings.agree(a, b), a, b));
+                }
+            }
+        }
+    }
+    candidates.sort_unstable();
+    for (.., a, b) in candidates {
+        pairing.join(a, b, true);
+    }
+    pairing.twin
+}
+
+/// Pairs as they are made.
+struct Pairing<'a> {
+    wings: &'a Wings<'a>,
+    twin: Vec<u32>,
+    sheets: OrientedSets,
+}
+
+impl Pairing<'_> {
+    /// Make a pair of two half-edges that have none; `soundly`: only if the windings of all that hangs together
+    /// stay consistent.
+    fn join(&mut self, a: u32, b: u32, soundly: bool) {
+        let free = self.twin[a as usize] == NONE && self.twin[b as usize] == NONE;
+        let one_way = ascends(self.wings.triangles, a) == ascends(self.wings.triangles, b);
+        if free && (self.sheets.join(a / 3, b / 3, one_way) || !soundly) {
+            (self.twin[a as usize], self.twin[b as usize]) = (b, a);
+        }
+    }
+}
+
+/// Disjoint sets of faces, each with the way it is wound against the face that stands for its set.
+struct OrientedSets {
+    above: Vec<u32>,
+    against: Vec<bool>,
+}
+
+impl OrientedSets {
+    fn new(count: usize) -> Self {
+        Self { above: (0..count as u32).collect(), against: vec![false; count] }
+    }
+
+    /// The face that stands for the set of `f`, and whether `f` is wound against it.
+    fn root(&mut self, f: u32) -> (u32, bool) {
+        let (mut root, mut against) = (f, false);
+        while self.above[root as usize] != root {
+            against ^= self.against[root as usize];
+            root = self.above[root as usize];
+        }
+        let (mut at, mut own) = (f, against);
+        while self.above[at as usize] != root && at != root {
+            let next = self.above[at as usize];
+            let step = std::mem::replace(&mut self.against[at as usize], own);
+            self.above[at as usize] = root;
+            own ^= step;
+            at = next;
+        }
+        (root, against)
+    }
+
+    /// Make one set of those of two faces, which are wound against each other or not. Returns whether that can
+    /// be so.
+    fn join(&mut self, f: u32, g: u32, against: bool) -> bool {
+        let ((a, of_f), (b, of_g)) = (self.root(f), self.root(g));
+        if a == b {
+            return (of_f ^ of_g) == against;
+        }
+        self.above[a.max(b) as usize] = a.min(b);
+        self.against[a.max(b) as usize] = of_f ^ of_g ^ against;
+        true
+    }
+}
