@@ -11,6 +11,9 @@ pub struct Agreement {
     pub miou: f64,
     /// Share of pairs of elements on which both agree whether they are of one part.
     pub rand: f64,
+    /// The same less what chance would give, over the most that could be had: 1 for the same parts, 0 for
+    /// unrelated ones (Hubert and Arabie 1985, doi:10.1007/BF01908075).
+    pub adjusted_rand: f64,
 }
 
 /// Weight that each pair of true and found part has in common. Elements of unknown truth (negative)
@@ -41,7 +44,10 @@ pub fn agreement(truth: &[i32], found: &[i32], weight: &[f64]) -> Agreement {
     };
     let (a, b) = (squares(&mut rows.values()), squares(&mut columns.values()));
     let miou = best.values().sum::<f64>() / best.len() as f64;
-    Agreement { miou, rand: 1.0 - a - b + 2.0 * squares(&mut both.values()) }
+    let both = squares(&mut both.values());
+    let (chance, most) = (a * b, 0.5 * (a + b));
+    let adjusted_rand = if most > chance { (both - chance) / (most - chance) } else { 1.0 };
+    Agreement { miou, rand: 1.0 - a - b + 2.0 * both, adjusted_rand }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod segmentation;
 mod sheet;
 mod stages;
 mod table;
+mod tellings;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -52,6 +53,9 @@ enum What {
     Sheet(sheet::Args),
     /// Unwrap one object and draw what each stage makes of it, a picture each.
     Stages(stages::Args),
+    /// Tell objects in many ways, as exporters do (faces shuffled, windings turned, faces twice, noise, and more),
+    /// unwrap each telling, and hold it against the first: charts, seam, parts, division.
+    Tellings(tellings::Args),
 }
 
 /// Run it.
@@ -66,5 +70,6 @@ pub fn run(args: Args) -> Result<()> {
         What::Segmentation(args) => segmentation::run(args),
         What::Sheet(args) => sheet::run(args),
         What::Stages(args) => stages::run(args),
+        What::Tellings(args) => tellings::run(args),
     }
 }
