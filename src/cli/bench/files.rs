@@ -2,12 +2,14 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::contract::MeshKind;
 
@@ -64,6 +66,24 @@ pub fn write_rows<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
         lines += "\n";
     }
     std::fs::write(path, lines).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A file that lines are added to.
+pub fn appending(path: &Path) -> Result<File> {
+    let file = OpenOptions::new().create(true).append(true).open(path);
+    file.with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Read one JSON row a line.
+pub fn read_rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let row = |(i, line)| {
+        let place = || format!("{} line {}: not a line of this benchmark", path.display(), i + 1);
+        serde_json::from_str(line).with_context(place)
+    };
+    lines.map(row).collect()
 }
 
 /// The meshes under a folder that a list names, in its order. The list has one file name without its

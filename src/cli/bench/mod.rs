@@ -2,12 +2,15 @@
 //! every time, and what they look like.
 
 mod arms;
+mod by_name;
+mod cell;
 mod determinism;
 mod files;
 mod names;
 mod object;
 mod options;
 mod peer;
+mod program;
 mod progress;
 mod quality;
 mod row;

@@ -2,16 +2,16 @@
 //! the end. One JSON line an object; lines that are there already are not made again.
 
 use std::collections::BTreeSet;
-use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
 use super::arms;
-use super::files::Shard;
+use super::files::{Shard, appending, read_rows};
 use super::object::{self, Plan};
 use super::options::BenchOptions;
+use super::row::Row;
 use super::table;
 use crate::contract::MeshKind;
 
@@ -71,11 +71,7 @@ pub fn run(args: Args) -> Result<()> {
         folder: &folder,
         models: args.models.as_deref(),
     };
-    let mut lines = OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&args.output)
-        .with_context(|| format!("cannot write {}", args.output.display()))?;
+    let mut lines = appending(&args.output)?;
     if args.arms {
         return arms::run(shard, args.limit, &args.bench.options, &engine, lines);
     }
@@ -87,7 +83,7 @@ pub fn run(args: Args) -> Result<()> {
         writeln!(lines, "{}", serde_json::to_string(&line)?).context("cannot write a line")?;
     }
     std::fs::remove_dir_all(&folder).ok();
-    println!("{}", table::table(&table::read(&args.output)?));
+    println!("{}", table::table(&read_rows(&args.output)?));
     Ok(())
 }
 
@@ -96,6 +92,6 @@ fn done(output: &Path) -> Result<BTreeSet<String>> {
     if !output.exists() {
         return Ok(BTreeSet::new());
     }
-    let lines = table::read(output)?;
+    let lines: Vec<Row> = read_rows(output)?;
     Ok(lines.into_iter().map(|l| l.object).collect())
 }

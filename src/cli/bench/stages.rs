@@ -148,7 +148,7 @@ fn coordinates(scene: &Scene) -> Vec<[[f32; 2]; 3]> {
 }
 
 /// The numbers behind `[count, value]` pairs, −1 as [`NONE`].
-fn spelled_out(runs: &Value, count: usize) -> Result<Vec<u32>> {
+pub fn spelled_out(runs: &Value, count: usize) -> Result<Vec<u32>> {
     let runs: Vec<(usize, i64)> = serde_json::from_value(runs.clone())
         .context("the model does not say which face is where")?;
     let told = runs.iter().fold(0usize, |sum, run| sum.saturating_add(run.0));

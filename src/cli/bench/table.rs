@@ -1,9 +1,6 @@
 //! The table of the quality benchmark, from its lines.
 
 use std::fmt::Write;
-use std::path::Path;
-
-use anyhow::{Context, Result};
 
 use super::row::{Measured, Row};
 use crate::contract::BoundaryAlignment;
@@ -11,20 +8,6 @@ use crate::contract::BoundaryAlignment;
 /// An object is developable when this share of its area is, tubular when that share is.
 const DEVELOPABLE: f64 = 0.9;
 const TUBULAR: f64 = 0.5;
-
-/// Read the lines of a file.
-pub fn read(path: &Path) -> Result<Vec<Row>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
-    lines
-        .map(|(i, l)| {
-            serde_json::from_str(l).with_context(|| {
-                format!("{} line {}: not a line of this benchmark", path.display(), i + 1)
-            })
-        })
-        .collect()
-}
 
 /// One object in a line for the terminal.
 pub fn brief(row: &Row) -> String {

@@ -1,13 +1,12 @@
 //! One mesh of the scale benchmark: which, how it is made, and what programs make of it.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::cli::bench::{by_name, program};
 use crate::synth::body::{self, BodyStyle};
 use crate::synth::{BodyKind, NoiseKind};
 
@@ -23,21 +22,6 @@ pub struct Case {
     #[serde(with = "by_name")]
     pub noise_kind: NoiseKind,
     pub copies: u32,
-}
-
-/// Names of the command line in the file.
-mod by_name {
-    use clap::ValueEnum;
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-    pub fn serialize<T: ValueEnum, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
-        let name = value.to_possible_value();
-        to.serialize_str(name.as_ref().map_or("", |name| name.get_name()))
-    }
-
-    pub fn deserialize<'de, T: ValueEnum, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
-        T::from_str(&String::deserialize(from)?, false).map_err(D::Error::custom)
-    }
 }
 
 /// What one program made of it.
@@ -73,18 +57,6 @@ pub struct Figures {
     pub packing: f64,
     pub small_charts: Option<u32>,
     pub seam_jaggedness: Option<f64>,
-}
-
-/// Read the lines of a file.
-pub fn read(path: &Path) -> Result<Vec<Row>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
-    let row = |(i, line)| {
-        let place = || format!("{} line {}: not a line of this benchmark", path.display(), i + 1);
-        serde_json::from_str(line).with_context(place)
-    };
-    lines.map(row).collect()
 }
 
 impl Case {
@@ -140,37 +112,21 @@ pub fn measure(
 }
 
 fn unwrap(program: &Path, mesh: &Path, options: &[String], folder: &Path) -> Result<Figures> {
-    let metrics = folder.join("metrics.json");
-    let _ = std::fs::remove_file(&metrics);
-    let mut command = Command::new(program);
-    command.arg("unwrap").arg(mesh).arg("--quiet").args(options);
-    command.arg("--output").arg(folder.join("model.glb"));
-    command.arg("--preview").arg(folder.join("preview.png")).arg("--metrics").arg(&metrics);
-    let began = Instant::now();
-    let output = command.output().with_context(|| format!("cannot run {}", program.display()))?;
-    let seconds = began.elapsed().as_secs_f64();
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        bail!("{}: {}", output.status, said.lines().last().unwrap_or_default());
-    }
-    // Another build's metrics may lack what this one's have.
-    let m: Value = serde_json::from_slice(&std::fs::read(&metrics)?)?;
-    let at = |place: &str| m.pointer(place).and_then(Value::as_f64);
-    let list = |place: &str| m.pointer(place).and_then(Value::as_array).map_or(&[][..], |l| l);
+    let ran = program::unwrap(program, mesh, options, folder)?;
     let stage = |s: &Value| Some((s["name"].as_str()?.to_owned(), s["wall_s"].as_f64()?));
     Ok(Figures {
-        triangles: list("/parts").iter().filter_map(|part| part["faces"].as_u64()).sum::<u64>(),
-        seconds,
-        stages: list("/cost/stages").iter().filter_map(stage).collect(),
-        peak_memory_mib: at("/cost/peak_memory_mib"),
-        valid: m.pointer("/atlas/certificate/valid") == Some(&Value::Bool(true)),
-        parts: list("/parts").len(),
-        charts: at("/atlas/charts").unwrap_or(0.0) as u32,
-        seam: at("/atlas/seam_length/per_sqrt_area"),
-        symmetric_dirichlet: at("/atlas/symmetric_dirichlet"),
-        packing: at("/atlas/packing_efficiency/covered").unwrap_or(0.0),
-        small_charts: at("/atlas/small_charts").map(|n| n as u32),
-        seam_jaggedness: at("/atlas/seam_jaggedness"),
+        triangles: ran.list("/parts").iter().filter_map(|part| part["faces"].as_u64()).sum::<u64>(),
+        seconds: ran.seconds,
+        stages: ran.list("/cost/stages").iter().filter_map(stage).collect(),
+        peak_memory_mib: ran.at("/cost/peak_memory_mib"),
+        valid: ran.is_valid(),
+        parts: ran.list("/parts").len(),
+        charts: ran.at("/atlas/charts").unwrap_or(0.0) as u32,
+        seam: ran.at("/atlas/seam_length/per_sqrt_area"),
+        symmetric_dirichlet: ran.at("/atlas/symmetric_dirichlet"),
+        packing: ran.at("/atlas/packing_efficiency/covered").unwrap_or(0.0),
+        small_charts: ran.at("/atlas/small_charts").map(|n| n as u32),
+        seam_jaggedness: ran.at("/atlas/seam_jaggedness"),
     })
 }
 

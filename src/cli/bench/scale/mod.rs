@@ -11,8 +11,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 
+use super::files::{appending, read_rows};
 use crate::synth::{BodyKind, NoiseKind};
-use body::Case;
+use body::{Case, Row};
 
 /// Sizes by default, triangles.
 const SIZES: [u32; 7] = [5_000, 20_000, 50_000, 150_000, 500_000, 1_200_000, 2_000_000];
@@ -63,18 +64,14 @@ pub fn run(args: Args) -> Result<()> {
     let cases = cases(&args);
     ensure!(!cases.is_empty(), "no body has so few triangles in so many pieces: ask for more");
     let lines = args.output.join("scale.jsonl");
-    let mut rows = if lines.exists() { body::read(&lines)? } else { Vec::new() };
+    let mut rows: Vec<Row> = if lines.exists() { read_rows(&lines)? } else { Vec::new() };
     let this = std::env::current_exe().context("cannot find this program")?;
     let programs: Vec<(&str, &PathBuf)> =
         [("this", &this)].into_iter().chain(args.beside.iter().map(|p| ("beside", p))).collect();
     let folder = std::env::temp_dir().join(format!("uvsegnet-scale-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let mut file = std::fs::OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&lines)
-        .with_context(|| format!("cannot write {}", lines.display()))?;
+    let mut file = appending(&lines)?;
     for case in &cases {
         if rows.iter().any(|row| row.case == *case) {
             continue;

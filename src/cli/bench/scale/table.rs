@@ -5,13 +5,10 @@ use std::fmt::Write;
 
 use super::body::{Figures, Row};
 use super::exponent::exponent;
+use crate::cli::bench::cell::number;
 
 /// From how many triangles on exponents are fitted: below, fixed costs tell.
 pub const FITTED: u32 = 20_000;
-
-fn number(x: Option<f64>, places: usize) -> String {
-    x.map_or_else(|| "–".to_owned(), |x| format!("{x:.places$}"))
-}
 
 /// One line for the terminal.
 pub fn brief(row: &Row) -> String {

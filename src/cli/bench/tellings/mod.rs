@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 
-use super::files::{Shard, named, stem};
+use super::files::{Shard, appending, named, read_rows, stem};
 use crate::cli::input::{Beside, Files};
 use crate::contract::Limits;
 use crate::synth::body::{self, BodyStyle};
@@ -67,7 +67,7 @@ pub fn run(args: Args) -> Result<()> {
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let lines = args.output.join("tellings.jsonl");
-    let mut rows = if lines.exists() { read(&lines)? } else { Vec::new() };
+    let mut rows: Vec<Row> = if lines.exists() { read_rows(&lines)? } else { Vec::new() };
     let this = std::env::current_exe().context("cannot find this program")?;
     let programs: Vec<(&str, &Path)> = [("this", this.as_path())]
         .into_iter()
@@ -76,11 +76,7 @@ pub fn run(args: Args) -> Result<()> {
     let folder = std::env::temp_dir().join(format!("uvsegnet-tellings-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let mut file = std::fs::OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&lines)
-        .with_context(|| format!("cannot write {}", lines.display()))?;
+    let mut file = appending(&lines)?;
     let objects = objects(&args)?;
     ensure!(!objects.is_empty(), "there is no object to be told");
     for (object, path) in objects {
@@ -185,15 +181,4 @@ fn load(object: &str, path: Option<&Path>) -> Result<PlainMesh> {
     };
     let kind = crate::contract::MeshKind::Glb;
     Ok(PlainMesh::of(&crate::mesh::import(&bytes, kind, &Limits::default())?))
-}
-
-/// Read the lines of a file.
-fn read(path: &Path) -> Result<Vec<Row>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let row = |(i, line)| {
-        let place = || format!("{} line {}: not a line of this benchmark", path.display(), i + 1);
-        serde_json::from_str(line).with_context(place)
-    };
-    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(row).collect()
 }

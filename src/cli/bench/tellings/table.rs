@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::measure::{Figures, Row};
 use super::variants::Variant;
+use crate::cli::bench::cell::number;
 
 type Key<'a> = (&'a str, &'a str, Variant);
 
@@ -13,10 +14,6 @@ fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let at = (share * values.len().saturating_sub(1) as f64).ceil() as usize;
     values.get(at).copied()
-}
-
-fn number(x: Option<f64>, places: usize) -> String {
-    x.map_or_else(|| "–".to_owned(), |x| format!("{x:.places$}"))
 }
 
 /// One line for the terminal.
