@@ -53,12 +53,11 @@ impl Sides {
             triangles: telling.triangles.clone(),
             primitives: telling.primitives.clone(),
         };
-        for (i, &f) in telling.face.iter().enumerate().rev().filter(|(_, f)| **f as usize >= count)
-        {
-            if f != NONE {
-                let origin = &mut own.origins[f as usize];
-                (origin.face, origin.primitive) = (i as u32, telling.primitive(i as u32));
-            }
+        // The first of the faces that are a second side stands for it.
+        let is_second = |f: u32| f != NONE && f as usize >= count;
+        for (i, &f) in telling.face.iter().enumerate().rev().filter(|(_, f)| is_second(**f)) {
+            let origin = &mut own.origins[f as usize];
+            (origin.face, origin.primitive) = (i as u32, telling.primitive(i as u32));
         }
         let mut flags = vec![false; own.face_count()];
         if follow {
@@ -72,17 +71,17 @@ impl Sides {
 
 /// Add the second sides of the faces `behind`.
 fn add_second(own: &mut Surface, surface: &Surface, behind: &[u32], second: &[u32]) {
-    let count = surface.face_count();
-    let flags = vec![true; count];
-    let back = surface.clone().turned(&flags);
+    if behind.is_empty() {
+        return;
+    }
+    let back = surface.clone().turned(&vec![true; surface.face_count()]);
     for &f in behind {
         let f = f as usize;
         own.triangles.push(back.triangles[f]);
         own.normals.push(back.normals[f]);
         own.areas.push(back.areas[f]);
         own.origins.push(back.origins[f]);
-        let mate = second[f];
-        own.sheet_mate[f] = mate;
+        own.sheet_mate[f] = second[f];
         own.sheet_mate.push(f as u32);
         for h in 3 * f..3 * f + 3 {
             let t = back.twin[h];

@@ -6,6 +6,7 @@ mod existing_seams;
 mod file;
 mod normals;
 mod orient;
+mod oriented_sets;
 mod pairing;
 mod places;
 mod shells;
@@ -58,6 +59,7 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     let nonmanifold = groups.iter().filter(|g| g.len() > 2).count();
     let Shells { shell, solid } = Shells::of(scene, &file, &places, &groups);
     file.origins.iter_mut().zip(&shell).for_each(|(origin, &shell)| origin.shell = shell);
+    let before = places.len();
     let places = places.by_solid(&solid);
 
     let instance = |i: &[places::Instance]| (i[0].vertices, i[0].class, i[0].ascending);
@@ -66,7 +68,8 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
         .map(instance)
         .map(|([a, b, c], class, up)| (if up || !directed { [a, b, c] } else { [a, c, b] }, class))
         .unzip();
-    let mut groups = EdgeGroups::new(&triangles);
+    let as_before = places.len() == before && !directed;
+    let mut groups = if as_before { groups } else { EdgeGroups::new(&triangles) };
     let twice: Vec<bool> = places.iter().map(|i| i.len() > 1).collect();
     let walls = Walls::find(&groups, &twice);
     if !walls.faces.is_empty() {
@@ -95,7 +98,7 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
         let [a, b, c] = at(t);
         (b - a).cross(c - a)
     };
-    let prepared = Surface {
+    let mut surface = Surface {
         normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
         areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
         sheet_mate: mates(&triangles),
@@ -109,10 +112,10 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
         triangles,
         twin,
     };
-    let mut surface = prepared;
+    let normals = normals::of_faces(scene);
     if !directed {
         surface = surface.turned(&orientation.turned);
-        let said = Said::of(scene, &surface, &places, &faces);
+        let said = Said::of(&normals, &surface, &places, &faces);
         let turned = sign::turned(&surface, &said, run)?;
         surface = surface.turned(&turned);
     }
@@ -123,7 +126,7 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
 
     let first = |has: &dyn Fn(usize) -> bool| (0..usable.len()).find(|&f| has(f)).map(|f| f as u64);
     let without = orientation.without.first();
-    let against = normals::against(scene, &file, &usable);
+    let against = normals::against(&normals, &file, &usable);
     surface.repairs = Repairs {
         welded: (file.positions.len() - surface.positions.len()) as u64,
         wide_welds: weld.wide,
@@ -186,7 +189,9 @@ fn mates(triangles: &[[u32; 3]]) -> Vec<u32> {
 /// How many fans of faces there are beyond one a vertex (bow ties, non-manifold vertices).
 fn split_vertices(surface: &Surface) -> u64 {
     let (fans, _) = surface.sheets();
-    (fans.len() - surface.positions.len().min(fans.len())) as u64
+    let mut used = vec![false; surface.positions.len()];
+    surface.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    (fans.len() - used.iter().filter(|used| **used).count()) as u64
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::file::FileFaces;
 use super::places::Places;
 use super::sign::Said;
+use super::tell::Count;
 use crate::mesh::{Scene, Surface};
 
 /// Name of the normals among the attributes.
@@ -12,7 +13,7 @@ const NORMAL: &str = "NORMAL";
 
 /// Sum of the vertex normals of each face of the file, in the world; zero where it has none. Empty where
 /// no face has any.
-fn of_faces(scene: &Scene) -> Vec<DVec3> {
+pub fn of_faces(scene: &Scene) -> Vec<DVec3> {
     if scene.primitives.iter().all(|p| p.attribute(NORMAL).is_none()) {
         return Vec::new();
     }
@@ -37,34 +38,24 @@ fn of_faces(scene: &Scene) -> Vec<DVec3> {
 }
 
 /// Faces of the file that are wound against their own vertex normals.
-pub struct Against {
-    /// How many.
-    pub count: u64,
-    /// The first.
-    pub first: Option<u64>,
-}
-
-/// Count them.
-pub fn against(scene: &Scene, file: &FileFaces, usable: &[bool]) -> Against {
-    let (mut count, mut first) = (0, None);
-    for (f, normal) in of_faces(scene).into_iter().enumerate().filter(|(f, _)| usable[*f]) {
-        let [a, b, c] = file.corners(f);
+pub fn against(normals: &[DVec3], file: &FileFaces, usable: &[bool]) -> Count {
+    let mut against = Count::default();
+    for (f, normal) in (0u32..).zip(normals).filter(|(f, _)| usable[*f as usize]) {
+        let [a, b, c] = file.corners(f as usize);
         if normal.dot((b - a).cross(c - a)) < 0.0 {
-            count += 1;
-            first.get_or_insert(f as u64);
+            against.add(f);
         }
     }
-    Against { count, first }
+    against
 }
 
 impl Said {
     /// What a file says of the faces of a surface, `faces` being the place of each. Where both sides stand,
     /// normals say nothing.
-    pub fn of(scene: &Scene, surface: &Surface, places: &Places, faces: &[u32]) -> Self {
-        let normals = of_faces(scene);
+    pub fn of(normals: &[DVec3], surface: &Surface, places: &Places, faces: &[u32]) -> Self {
         let ascends = |f: usize| surface.triangles[f][1] < surface.triangles[f][2];
         let instances = |f: usize| places.instances(faces[f] as usize);
-        let winding = |f: usize| if instances(f)[0].ascending == ascends(f) { 1.0 } else { -1.0 };
+        let alike = |f: usize| instances(f)[0].ascending == ascends(f);
         let normal = |f: usize| {
             let sides = instances(f);
             let one = sides.iter().all(|i| i.ascending == sides[0].ascending);
@@ -72,7 +63,7 @@ impl Said {
             normal.map_or(0.0, |n| n.normalize_or_zero().dot(surface.normals[f]) as f32)
         };
         Self {
-            winding: (0..faces.len()).map(winding).collect(),
+            alike: (0..faces.len()).map(alike).collect(),
             normal: (0..faces.len()).map(normal).collect(),
         }
     }

@@ -6,12 +6,17 @@
 use glam::DVec3;
 
 use super::orient::ascends;
+use super::oriented_sets::OrientedSets;
 use super::places::Class;
 use super::walls::Walls;
 use crate::mesh::NONE;
 
 /// Wings that lie on each other (cosine of the angle between them) are not one surface.
 const FOLDED: f64 = 0.9999;
+
+/// Faces of an edge at which the surface goes on; beyond, each ends there: no shape has such edges, and pairs
+/// grow with the square.
+pub const MOST_WINGS: usize = 64;
 
 /// Half-edges grouped by the (unordered) edge they run along: half-edge numbers sorted by edge, and
 /// where each group starts.
@@ -101,7 +106,8 @@ pub fn pair(wings: &Wings, groups: &EdgeGroups, walls: &Walls) -> Vec<u32> {
                     pairing.join(a, b, false);
                 }
             }
-            _ => crowded.push(group),
+            _ if group.len() <= MOST_WINGS => crowded.push(group),
+            _ => {}
         }
     }
     let mut candidates: Vec<(i64, bool, bool, u32, u32)> = Vec::new();
@@ -147,47 +153,5 @@ impl Pairing<'_> {
         if free && (self.sheets.join(a / 3, b / 3, one_way) || !soundly) {
             (self.twin[a as usize], self.twin[b as usize]) = (b, a);
         }
-    }
-}
-
-/// Disjoint sets of faces, each with the way it is wound against the face that stands for its set.
-struct OrientedSets {
-    above: Vec<u32>,
-    against: Vec<bool>,
-}
-
-impl OrientedSets {
-    fn new(count: usize) -> Self {
-        Self { above: (0..count as u32).collect(), against: vec![false; count] }
-    }
-
-    /// The face that stands for the set of `f`, and whether `f` is wound against it.
-    fn root(&mut self, f: u32) -> (u32, bool) {
-        let (mut root, mut against) = (f, false);
-        while self.above[root as usize] != root {
-            against ^= self.against[root as usize];
-            root = self.above[root as usize];
-        }
-        let (mut at, mut own) = (f, against);
-        while self.above[at as usize] != root && at != root {
-            let next = self.above[at as usize];
-            let step = std::mem::replace(&mut self.against[at as usize], own);
-            self.above[at as usize] = root;
-            own ^= step;
-            at = next;
-        }
-        (root, against)
-    }
-
-    /// Make one set of those of two faces, which are wound against each other or not. Returns whether that can
-    /// be so.
-    fn join(&mut self, f: u32, g: u32, against: bool) -> bool {
-        let ((a, of_f), (b, of_g)) = (self.root(f), self.root(g));
-        if a == b {
-            return (of_f ^ of_g) == against;
-        }
-        self.above[a.max(b) as usize] = a.min(b);
-        self.against[a.max(b) as usize] = of_f ^ of_g ^ against;
-        true
     }
 }

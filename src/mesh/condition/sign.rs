@@ -28,10 +28,13 @@ const FACES: usize = 48;
 /// Visits of the ray caster in all: in a soup of thousands of large faces no side is the front.
 const MOST_VISITS: f64 = 1e8;
 
+/// Components held against components, and faces of those, in the search for cavities; beyond, there are none.
+const MOST_CHECKS: usize = 200_000_000;
+
 /// What the file says of each face, in its present winding.
 pub struct Said {
-    /// 1 where its winding is the same, −1 where it is the other.
-    pub winding: Vec<f32>,
+    /// Whether its winding is the same.
+    pub alike: Vec<bool>,
     /// Cosine of the angle between its normal and the mean of its vertex normals, or 0.
     pub normal: Vec<f32>,
 }
@@ -43,8 +46,8 @@ struct Component {
     volume: f64,
     low: DVec3,
     high: DVec3,
-    /// Area wound as the surface is now, over all area.
-    wound: f64,
+    /// Area that the file winds as the surface is now, over all area.
+    alike: f64,
 }
 
 /// The components that are to be turned over, by face.
@@ -101,7 +104,7 @@ impl Component {
             volume: 0.0,
             low: DVec3::INFINITY,
             high: DVec3::NEG_INFINITY,
-            wound: 0.0,
+            alike: 0.0,
         };
         for f in faces.iter().map(|&f| f as usize) {
             let corners = surface.corners(f);
@@ -111,11 +114,11 @@ impl Component {
             c.high = corners.iter().fold(c.high, |high, p| high.max(*p));
             c.closed &= !surface.twin[3 * f..3 * f + 3].contains(&NONE);
             c.area += surface.areas[f];
-            if said.winding[f] > 0.0 {
-                c.wound += surface.areas[f];
+            if said.alike[f] {
+                c.alike += surface.areas[f];
             }
         }
-        c.wound /= c.area;
+        c.alike /= c.area;
         c.faces = faces;
         c
     }
@@ -123,7 +126,7 @@ impl Component {
     /// The winding that the file gives it against the surface's once that faces outward; `None` where it has
     /// both.
     fn file_is_outward(&self, turned: bool) -> Option<bool> {
-        match self.wound {
+        match self.alike {
             w if w >= CAVITY => Some(!turned),
             w if w <= 1.0 - CAVITY => Some(turned),
             _ => None,
@@ -149,22 +152,27 @@ fn cavities(surface: &Surface, components: &[Component], turned: &[bool]) -> Vec
     by_volume.sort_by(|&a, &b| {
         components[a].volume.abs().total_cmp(&components[b].volume.abs()).then(a.cmp(&b))
     });
-    let mut depth_first = Vec::new();
+    let mut found = Vec::new();
+    let mut work = MOST_CHECKS;
     for &i in &closed {
         let inside = &components[i];
         let at = surface.positions[surface.triangles[inside.faces[0] as usize][0] as usize];
         let holder = by_volume.iter().copied().find(|&j| {
             let holder = &components[j];
+            work = work.saturating_sub(1);
+            if work == 0 || !holder.may_hold(inside) {
+                return false;
+            }
+            work = work.saturating_sub(holder.faces.len());
             j != i
                 && holder.volume.abs() > inside.volume.abs()
-                && holder.may_hold(inside)
                 && winding_number(surface, holder, at).abs() > 0.5
         });
         if holder.is_some_and(|j| outward(j) != outward(i)) {
-            depth_first.push(i);
+            found.push(i);
         }
     }
-    depth_first
+    found
 }
 
 /// How often a closed component winds around a point (van Oosterom and Strackee 1983,

@@ -49,10 +49,8 @@ pub fn tell(
             let at = if on_second && wall != NONE { wall } else { f as u32 };
             telling.face[i.face as usize] = at;
             telling.second[i.face as usize] = on_second && wall == NONE;
-            let stands_for =
-                if on_second { second.map_or(first.face, |s| s.face) } else { first.face };
-            if i.face != stands_for {
-                let of_side = if on_second { second.unwrap_or(first) } else { first };
+            let of_side = second.filter(|_| on_second).unwrap_or(first);
+            if i.face != of_side.face {
                 match i.ascending == of_side.ascending {
                     true => told.copies.add(i.face),
                     false => told.shared.add(i.face),
@@ -87,14 +85,18 @@ struct Told {
     shared: Count,
 }
 
+/// Faces of the file of one kind.
 #[derive(Default)]
-struct Count {
-    count: u64,
-    first: Option<u64>,
+pub struct Count {
+    /// How many.
+    pub count: u64,
+    /// The first.
+    pub first: Option<u64>,
 }
 
 impl Count {
-    fn add(&mut self, face: u32) {
+    /// One more.
+    pub fn add(&mut self, face: u32) {
         let face = u64::from(face);
         self.count += 1;
         self.first = Some(self.first.map_or(face, |first| first.min(face)));

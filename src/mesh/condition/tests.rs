@@ -148,6 +148,27 @@ fn a_bow_tie_is_two_fans() {
 }
 
 #[test]
+fn a_vertex_of_nothing_but_a_sliver_is_no_fan() {
+    let p = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [-1., 0., 0.], [0., -1., 0.], [0.5, 0., 0.]];
+    let s = conditioned(&p, &[[0, 1, 2], [0, 3, 4], [0, 5, 1]]);
+    assert_eq!((s.repairs.split_vertices, s.repairs.zero_area_faces), (1, 1));
+}
+
+#[test]
+fn at_an_edge_of_very_many_faces_each_ends() {
+    let fin = |i: u32| {
+        let (y, x) = (f64::from(i) / 3000.0).sin_cos();
+        [x, y, 0.5]
+    };
+    let inner = |n: u32| {
+        let positions = [vec![[0., 0., 0.], [0., 0., 1.]], (0..n).map(fin).collect()].concat();
+        inner(&conditioned(&positions, &(0..n).map(|i| [0, 1, 2 + i]).collect::<Vec<_>>()))
+    };
+    assert_eq!(inner(3000), 0);
+    assert!(inner(40) <= 40);
+}
+
+#[test]
 fn dihedral_angles_have_a_sign() {
     let (positions, triangles) = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
     let s = conditioned(&positions, &triangles);

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::pairing::{EdgeGroups, Wings};
+use super::pairing::{EdgeGroups, MOST_WINGS, Wings};
 use crate::mesh::{DisjointSets, NONE};
 
 /// The walls of a surface.
@@ -35,7 +35,7 @@ impl Walls {
         let mut whole = vec![true; twice.len()];
         for group in groups.iter() {
             let doubles = group.iter().filter(|h| double(h)).count();
-            let inner = doubles == group.len() && doubles % 2 == 0;
+            let inner = doubles == group.len() && doubles % 2 == 0 && doubles <= MOST_WINGS / 2;
             let rim = doubles == 1 && group.len() == 3;
             if doubles > 0 && !inner && !rim {
                 for h in group.iter().filter(|h| double(h)) {
