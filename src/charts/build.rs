@@ -4,38 +4,20 @@
 use rayon::prelude::*;
 
 use super::chart::{Chart, ChartShape};
-use super::joins::merge::merge;
+use super::component::{Joiner, Orders};
 use super::limits::ChartLimits;
-use super::limits::cost::edge_cost;
 use super::limits::extent::shorten;
 use super::limits::visibility::visibility;
 use super::moves::compact::compact;
 use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
-use super::patches::patches;
 use super::patches::sides::{Side, sides};
 use super::patches::split::halves;
 use super::patches::tube::{self, Tube};
 use super::patchwork::Patchwork;
-use crate::contract::{Canceled, GaveUp, Run, Stage, Steps, UnwrapOptions};
-use crate::device::Seeded;
+use crate::contract::{Canceled, Run, Steps, UnwrapOptions};
 use crate::flatten;
 use crate::mesh::{NONE, Surface};
-
-/// Orders drawn at random in which a part is joined besides the first …
-const RESTARTS: usize = 4;
-
-/// … of a surface of so many faces or fewer; one of more gets the fewer of them.
-const RESTARTED_FACES: usize = 4_000;
-
-/// Patches below which there is nothing to choose.
-pub const LEAST_PATCHES: usize = 3;
-
-/// Rounds of joining charts and moving their seams …
-const ROUNDS: usize = 3;
-
-/// … of a component of so many faces or fewer; one of more gets the fewer of them, but one.
-const ROUND_FACES: usize = 60_000;
 
 /// Steps of a component that progress is counted by: patches, the first merging, the others, the last moves.
 const STEPS: usize = 4;
@@ -73,15 +55,6 @@ pub struct Built {
     pub orders: Vec<Orders>,
 }
 
-/// Objective Φ·ΣA of one connected component of a part, merged two ways; the lower one is kept.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Orders {
-    /// The baseline: by what is saved for the work it takes, or in the best of the orders drawn at random.
-    pub baseline: f64,
-    /// In the order that the soft map says.
-    pub joint: f64,
-}
-
 /// Like [`build`]. `openness` says of each half-edge of the surface how far a soft map has left it open, 0
 /// to 1, and NaN where it knows nothing: a component of which it knows something is merged by it too, and
 /// the better of both is kept.
@@ -103,11 +76,11 @@ pub fn build_jointly(
     let visibility = visibility(surface, run)?;
     let seen = visibility.as_deref();
     let all = surface.face_count();
-    let restarts = (RESTARTS * RESTARTED_FACES / all.max(1)).min(RESTARTS) as u64;
     // Training the seams was the first half.
     let from = if openness.is_some() { 0.5 } else { 0.0 };
     let steps = Some(run.steps(STEPS * all, from, 1.0));
-    let cutter = Cutter { surface, seen, openness, restarts, limits: &limits, run, steps };
+    let joiner = Joiner::new(all, &limits, run);
+    let cutter = Cutter { surface, seen, openness, joiner, limits: &limits, run, steps };
     let parts: Result<Vec<Built>, Canceled> = faces
         .into_par_iter()
         .enumerate()
@@ -131,9 +104,9 @@ pub fn split_chart(
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let limits = ChartLimits::new(surface, options.distortion_bound);
-    let (restarts, steps) = (0, None);
-    let cutter =
-        Cutter { surface, seen: None, openness: None, restarts, limits: &limits, run, steps };
+    let (seen, openness, steps) = (None, None, None);
+    let joiner = Joiner::once(&limits, run);
+    let cutter = Cutter { surface, seen, openness, joiner, limits: &limits, run, steps };
     let mut built = Built::default();
     for half in halves(&mesh, &all) {
         let faces = half.iter().map(|&f| mesh.faces[f as usize]).collect();
@@ -148,8 +121,7 @@ struct Cutter<'a> {
     surface: &'a Surface,
     seen: Option<&'a [f32]>,
     openness: Option<&'a [f32]>,
-    /// Orders to be tried besides the first.
-    restarts: u64,
+    joiner: Joiner<'a>,
     limits: &'a ChartLimits,
     run: &'a Run,
     /// Where progress is counted.
@@ -189,35 +161,17 @@ impl Cutter<'_> {
         built: &mut Built,
     ) -> Result<(), Canceled> {
         let (limits, run) = (self.limits, self.run);
-        let work = patchwork(mesh, sides, limits, run)?;
-        self.step(mesh);
-        let mut best = join(work.clone(), None, limits, run)?;
-        self.step(mesh);
-        let mut baseline = objective(&best, limits);
-        let restarts = if work.faces.len() >= LEAST_PATCHES { self.restarts } else { 0 };
-        for k in 0..restarts {
-            if run.skips(Stage::Charts, GaveUp::Joining) {
-                break;
-            }
-            let mut random = Seeded::new(0, k);
-            let order: Vec<f32> = mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
-            let other = join(work.clone(), Some(&order), limits, run)?;
-            let reached = objective(&other, limits);
-            if reached < baseline {
-                (best, baseline) = (other, reached);
-            }
-        }
+        let (work, first) = self.joiner.first(mesh, sides)?;
+        (0..2).for_each(|_| self.step(mesh));
+        let mut best = self.joiner.reordered(&work, first)?;
         let told = |o: &[f32]| -> Vec<f32> {
             (0..mesh.twin.len() as u32).map(|h| o[mesh.surface_half_edge(h) as usize]).collect()
         };
         let openness = self.openness.map(told);
         if let Some(openness) = openness.filter(|o| o.iter().any(|o| !o.is_nan())) {
-            let other = join(work, Some(&openness), limits, run)?;
-            let joint = objective(&other, limits);
-            built.orders.push(Orders { baseline, joint });
-            if joint < baseline {
-                best = other;
-            }
+            let (better, orders) = self.joiner.guided(work, best, &openness)?;
+            best = better;
+            built.orders.push(orders);
         }
         self.step(mesh);
         shorten(&mut best, limits);
@@ -234,53 +188,6 @@ pub fn pieces(mesh: &PartMesh) -> Vec<Vec<u32>> {
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let global = |piece: Vec<u32>| piece.iter().map(|&f| mesh.faces[f as usize]).collect();
     mesh.components(&all, |_| true).into_iter().map(global).collect()
-}
-
-/// What merging starts from: the sides of a tube and patches, each with its map.
-pub fn patchwork<'a>(
-    mesh: &'a PartMesh<'a>,
-    sides: &[Side],
-    limits: &ChartLimits,
-    run: &Run,
-) -> Result<Patchwork<'a>, Canceled> {
-    let (patch_of, glued, fits) = patches(mesh, sides, limits, run)?;
-    let mut work = Patchwork::new(mesh, patch_of, glued);
-    for (chart, (piece, fit)) in (0u32..).zip(&fits) {
-        work.place(chart, piece, fit);
-    }
-    Ok(work)
-}
-
-/// Rounds of joining charts and moving their seams.
-fn join<'a>(
-    mut work: Patchwork<'a>,
-    openness: Option<&[f32]>,
-    limits: &ChartLimits,
-    run: &Run,
-) -> Result<Patchwork<'a>, Canceled> {
-    let all: Vec<u32> = (0..work.faces.len() as u32).collect();
-    let mut changed = all.clone();
-    let rounds = (ROUNDS * ROUND_FACES / work.mesh.len().max(1)).clamp(1, ROUNDS);
-    for _ in 0..rounds {
-        merge(&mut work, &changed, openness, limits, run)?;
-        changed = straighten(&mut work, &all, limits, run)?;
-        if changed.is_empty() {
-            break;
-        }
-    }
-    Ok(work)
-}
-
-/// Φ·ΣA of a component: energy, and what its seams and its charts are worth.
-fn objective(work: &Patchwork, limits: &ChartLimits) -> f64 {
-    let open = |h: &u32| {
-        let t = work.mesh.twin[*h as usize];
-        t != NONE && *h < t && !work.glued[*h as usize]
-    };
-    let half_edges = 0..work.mesh.twin.len() as u32;
-    let seam: f64 = half_edges.filter(open).map(|h| edge_cost(work.mesh, h)).sum();
-    let charts = work.faces.iter().filter(|f| !f.is_empty()).count() as f64;
-    work.energy.iter().sum::<f64>() + limits.worth * (seam + limits.chart * charts)
 }
 
 /// The charts of a patchwork.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::build::patchwork;
+use super::component::patchwork;
 use super::joins::merge::merge;
 use super::limits::ChartLimits;
 use super::part_mesh::PartMesh;

@@ -6,6 +6,7 @@
 pub mod boundary;
 mod build;
 mod chart;
+mod component;
 mod joins;
 #[cfg(test)]
 mod joint_tests;
@@ -20,8 +21,9 @@ mod scenes;
 #[cfg(test)]
 mod tests;
 
-pub use build::{Built, ChartOptions, Orders, build, build_jointly, split_chart};
+pub use build::{Built, ChartOptions, build, build_jointly, split_chart};
 pub use chart::{Chart, ChartShape, StartKind};
+pub use component::Orders;
 pub use joins::over_cut::{OverCutPart, Seam, over_cut};
 pub use limits::clearance;
 pub use limits::cost::seam_cost;

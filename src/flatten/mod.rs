@@ -9,6 +9,7 @@ mod disk;
 mod error;
 mod extend;
 mod fans;
+mod harmonic;
 mod injective;
 mod jacobian;
 mod lscm;
@@ -38,6 +39,7 @@ pub use clearance::{is_clear, touching};
 pub use disk::{Disk, UvMap, flatten_triangle};
 pub use error::FlattenError;
 pub use extend::extend;
+pub use harmonic::harmonic;
 pub use injective::{
     ChartProof, certify, certify_within, count_flips, has_simple_boundary, is_positive, is_simple,
     orientation, segments_meet,

@@ -7,6 +7,7 @@ use super::error::Cause;
 use super::joint;
 use super::parts::{Found, Solvers};
 use super::regions::{self, Regions};
+use super::sheets;
 use crate::charts::{self, Chart, ChartOptions, Orders};
 use crate::contract::{GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::mesh::{DisjointSets, NONE, Surface};
@@ -40,7 +41,9 @@ pub fn cut(
 ) -> Result<Cut, Cause> {
     run.stage(Stage::Charts)?;
     let how = ChartOptions::from(options);
-    let regions = regions::divide(found, &solvers.segmented(), options.atlas);
+    let segmented = solvers.segmented();
+    let regions = regions::divide(found, &segmented, options.atlas)
+        .joined(found, &sheets::soft_borders(found, &segmented));
     // Seams are trained once: a second training would find the time of the first spent.
     let openness = match options.quality {
         Quality::Best if run.is_late(Stage::Segment) => {
@@ -215,10 +218,11 @@ mod tests {
         assert_eq!(cut.missed.as_deref(), Some(why));
     }
 
-    /// The cut of a sheet of 8 × 8 cells in four parts, stripes of two cells' width, drawn by `source`, less
-    /// certain from left to right.
+    /// The cut of a folded sheet of 8 × 8 cells in four parts, stripes of two cells' width between the folds,
+    /// drawn by `source`, less certain from left to right.
     fn striped(source: SegmentationSource, max_charts: u32) -> Cut {
-        let (text, run) = (scenes::sheet(8, |_, _| 0.0), Run::quiet());
+        let fold = |_, y: f64| 0.5 * (y.rem_euclid(4.0) - 2.0).abs();
+        let (text, run) = (scenes::sheet(8, fold), Run::quiet());
         let options = UnwrapOptions { max_charts: Some(max_charts), ..scenes::options() };
         let (mut found, mut solvers) = scenes::found(&text, &options, &run);
         let part =

@@ -30,6 +30,7 @@ mod report;
 mod result;
 #[cfg(test)]
 mod scenes;
+mod sheets;
 mod summary;
 mod ways;
 

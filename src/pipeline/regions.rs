@@ -62,7 +62,7 @@ pub fn giving_way(found: &Found) -> Vec<PartJoin> {
 }
 
 /// Whether nothing but the network or the geometry calls this a part.
-fn is_guessed(source: SegmentationSource) -> bool {
+pub fn is_guessed(source: SegmentationSource) -> bool {
     matches!(source, SegmentationSource::Geometric | SegmentationSource::Learned)
 }
 

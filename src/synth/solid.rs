@@ -24,7 +24,8 @@ pub(super) struct Solid {
 }
 
 impl Solid {
-    fn vertex(&mut self, p: DVec3) -> u32 {
+    /// A vertex more; its number.
+    pub fn vertex(&mut self, p: DVec3) -> u32 {
         self.positions.push(p);
         self.positions.len() as u32 - 1
     }
@@ -34,7 +35,7 @@ impl Solid {
     }
 
     /// A quad, split along the diagonal that leaves the larger smallest angle.
-    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+    pub fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         let p = |i| self.at(i);
         let ac = smallest_angle(p(a), p(b), p(c)).min(smallest_angle(p(a), p(c), p(d)));
         let bd = smallest_angle(p(a), p(b), p(d)).min(smallest_angle(p(b), p(c), p(d)));
@@ -77,7 +78,8 @@ impl Solid {
             .sum()
     }
 
-    fn wound_outwards(mut self) -> Self {
+    /// Wound outwards, if it is closed.
+    pub fn wound_outwards(mut self) -> Self {
         if self.volume6() < 0.0 {
             for t in &mut self.triangles {
                 t.swap(1, 2);

@@ -6,3 +6,4 @@ mod collision;
 pub mod merge;
 pub mod over_cut;
 pub mod proposal;
+pub mod rejoin;

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use super::candidates;
 use super::proposal::{Motion, rigid_motion};
-use crate::charts::build::{ChartOptions, LEAST_PATCHES, patchwork, pieces};
+use crate::charts::build::{ChartOptions, pieces};
+use crate::charts::component::{LEAST_PATCHES, patchwork};
 use crate::charts::limits::ChartLimits;
 use crate::charts::limits::cost::edge_cost;
 use crate::charts::part_mesh::PartMesh;

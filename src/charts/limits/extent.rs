@@ -42,6 +42,11 @@ pub fn extent(uv: &[DVec2]) -> Extent {
     }
 }
 
+/// Whether a chart of such an extent and area is no longer than what is left whole, and fills its rectangle.
+pub fn fits_page(extent: &Extent, area: f64, limits: &ChartLimits) -> bool {
+    extent.length <= TOO_LONG * limits.length && extent.rectangle - area <= limits.waste * area
+}
+
 fn span(uv: &[DVec2], axis: DVec2) -> (f64, f64) {
     uv.iter()
         .map(|p| p.dot(axis))

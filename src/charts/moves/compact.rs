@@ -25,7 +25,7 @@ const EMPTY: f64 = 0.05;
 const SAVED: f64 = 0.02;
 
 /// … and for its length over √ΣA.
-const PRICE: f64 = 0.15;
+pub const PRICE: f64 = 0.15;
 
 /// Most pieces of one cut.
 const PIECES: usize = 4;

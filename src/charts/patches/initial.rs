@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::sides::sides;
 use super::tube;
-use crate::charts::build::{ChartOptions, patchwork, pieces};
+use crate::charts::build::{ChartOptions, pieces};
+use crate::charts::component::patchwork;
 use crate::charts::limits::ChartLimits;
 use crate::charts::limits::visibility::visibility;
 use crate::charts::part_mesh::PartMesh;

@@ -6,6 +6,7 @@ mod initial;
 mod open;
 pub mod sides;
 pub mod split;
+pub mod swept;
 pub mod tube;
 
 pub use initial::initial_patches;

@@ -1,10 +1,12 @@
-//! Closed manifold bodies of one piece and any size, smooth or rough: what scans and sculptures are
-//! like. A body is a signed distance (`field`, `shapes`), meshed by marching cubes
-//! (`marching_cubes`) at the spacing that gives the wanted number of triangles, then roughened
-//! (`noise`). It has no parts. The same bytes on any number of threads.
+//! Bodies of any size, smooth or rough, without parts. Scanned ones, as scans and sculptures are: closed
+//! manifolds of one piece, a signed distance each (`field`, `shapes`), meshed by marching cubes
+//! (`marching_cubes`) at the spacing that gives the wanted number of triangles. Modelled ones, as people
+//! make them, are loops of quads (`modelled`). Both are then roughened (`noise`). The same bytes on any number
+//! of threads.
 
 mod field;
 mod marching_cubes;
+mod modelled;
 mod noise;
 mod shapes;
 
@@ -32,12 +34,60 @@ pub enum BodyKind {
     /// Seat, legs, stretchers and back of a chair as one solid: four handles.
     #[value(name = "fused_chair")]
     FusedChair,
+    /// A vessel with a handle: one handle.
+    Mug,
+    /// Six turns of a wire with flat ends.
+    Spring,
+    /// A tube along a winding curve, open at both ends.
+    Hose,
+    /// A closed tube round a circle.
+    Rim,
+    /// A wavy strip: an open sheet.
+    Cloth,
+    /// Hills over a square: an open sheet.
+    Terrain,
+    /// A shaft with a thread and a hexagonal head.
+    Bolt,
+    /// A spur wheel with a bore.
+    Gear,
+    /// Rim, hub and spokes that touch: eighteen pieces.
+    Wheel,
+    /// A person of capsules that run into each other: fifteen pieces.
+    Figure,
+    /// The frame of a picture, a moulding with mitred corners.
+    Frame,
 }
 
 impl BodyKind {
+    /// What is scanned: closed manifolds of one piece, of even triangles.
+    pub const SCANNED: [BodyKind; 7] = [
+        Self::Hand,
+        Self::Animal,
+        Self::Vase,
+        Self::Knot,
+        Self::Genus3,
+        Self::FusedChair,
+        Self::Mug,
+    ];
+
+    /// What is modelled: loops of quads.
+    pub const MODELLED: [BodyKind; 10] = [
+        Self::Spring,
+        Self::Hose,
+        Self::Rim,
+        Self::Cloth,
+        Self::Terrain,
+        Self::Bolt,
+        Self::Gear,
+        Self::Wheel,
+        Self::Figure,
+        Self::Frame,
+    ];
+
     /// Every kind.
-    pub const ALL: [BodyKind; 6] =
-        [Self::Hand, Self::Animal, Self::Vase, Self::Knot, Self::Genus3, Self::FusedChair];
+    pub fn all() -> impl Iterator<Item = BodyKind> {
+        Self::SCANNED.into_iter().chain(Self::MODELLED)
+    }
 
     /// Its name in lower case.
     pub fn as_str(self) -> &'static str {
@@ -48,18 +98,32 @@ impl BodyKind {
             Self::Knot => "knot",
             Self::Genus3 => "genus3",
             Self::FusedChair => "fused_chair",
+            Self::Mug => "mug",
+            Self::Spring => "spring",
+            Self::Hose => "hose",
+            Self::Rim => "rim",
+            Self::Cloth => "cloth",
+            Self::Terrain => "terrain",
+            Self::Bolt => "bolt",
+            Self::Gear => "gear",
+            Self::Wheel => "wheel",
+            Self::Figure => "figure",
+            Self::Frame => "frame",
         }
     }
 
-    /// Fewest triangles of one body: with fewer, limbs break off and walls are pierced (measured).
+    /// Fewest triangles of one body: with fewer, limbs break off and walls are pierced (measured), and
+    /// sections lose their shape.
     pub fn fewest(self) -> usize {
         match self {
             Self::Hand => 1500,
             Self::Animal => 4000,
             Self::Vase => 3000,
-            Self::Knot => 1000,
             Self::Genus3 => 500,
             Self::FusedChair => 2000,
+            Self::Mug => 4000,
+            Self::Bolt | Self::Gear | Self::Wheel | Self::Figure => 4000,
+            _ => 1000,
         }
     }
 }
@@ -67,7 +131,7 @@ impl BodyKind {
 /// How a body is to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyStyle {
-    /// Most triangles of the mesh; it has at most 3 % fewer.
+    /// Most triangles of the mesh; a scanned one has at most 3 % fewer, a modelled one a fifth.
     pub triangles: usize,
     /// Standard deviation of the noise, in mean edge lengths.
     pub noise: f64,
@@ -85,7 +149,7 @@ impl Default for BodyStyle {
     }
 }
 
-/// A closed manifold mesh.
+/// A manifold mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Vertex positions, metres.
@@ -95,6 +159,12 @@ pub struct Body {
 }
 
 impl Body {
+    /// Of its bounding box.
+    fn size(&self) -> DVec3 {
+        let low = self.positions.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+        self.positions.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p)) - low
+    }
+
     /// The body as a GLB file: one primitive with smooth normals.
     pub fn glb(&self, name: &str) -> Vec<u8> {
         let normals = noise::normals(&self.positions, &self.triangles);
@@ -105,11 +175,14 @@ impl Body {
 /// Make a body. The same arguments always give the same one.
 pub fn make(kind: BodyKind, style: BodyStyle) -> Body {
     let copies = style.copies.max(1);
-    let field = shapes::field(kind);
-    let (mut positions, triangles) = with_triangles(&field, style.triangles / copies);
-    noise::add(&mut positions, &triangles, style.noise_kind, style.noise, style.seed);
-    let one = Body { positions, triangles };
-    if copies == 1 { one } else { side_by_side(&one, copies, field.high - field.low) }
+    let wanted = style.triangles / copies;
+    let mut one = modelled::with_triangles(kind, wanted).unwrap_or_else(|| {
+        let (positions, triangles) = with_triangles(&shapes::field(kind), wanted);
+        Body { positions, triangles }
+    });
+    let size = one.size();
+    noise::add(&mut one.positions, &one.triangles, style.noise_kind, style.noise, style.seed);
+    if copies == 1 { one } else { side_by_side(&one, copies, size) }
 }
 
 /// Most spacings tried for the exact number.

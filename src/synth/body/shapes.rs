@@ -1,4 +1,4 @@
-//! The six bodies, about a metre each, y up. Proportions are drawn by eye; the knot is the trefoil in
+//! The scanned bodies, about a metre each, y up. Proportions are drawn by eye; the knot is the trefoil in
 //! its usual parameters (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t). Limbs, walls and gaps are
 //! thick enough that 5,000 triangles still find their way round each.
 
@@ -9,15 +9,16 @@ use glam::{DQuat, DVec2, DVec3};
 use super::BodyKind;
 use super::field::{Field, Group};
 
-/// The field of a kind of body.
+/// The field of a scanned kind of body.
 pub(super) fn field(kind: BodyKind) -> Field {
     Field::new(match kind {
-        BodyKind::Hand => hand(),
+        BodyKind::Mug => mug(),
         BodyKind::Animal => animal(),
         BodyKind::Vase => vase(),
         BodyKind::Knot => knot(),
         BodyKind::Genus3 => genus3(),
         BodyKind::FusedChair => chair(),
+        _ => hand(),
     })
 }
 
@@ -149,6 +150,19 @@ fn vase() -> Vec<Group> {
     balls.push(points[points.len() - 1]);
     let balls: Vec<_> = balls.iter().map(|b| (DVec2::new(b.x.max(0.0), b.y), b.z)).collect();
     vec![Group::new(0.0, 0.0).revolved(&balls)]
+}
+
+/// A cup with a wall and a handle.
+fn mug() -> Vec<Group> {
+    let wall = 0.05;
+    let middle = [(0.0, wall), (0.3, wall), (0.34, 0.08), (0.35, 0.4), (0.36, 0.85)];
+    let cup: Vec<_> = middle.iter().map(|&p| (DVec2::from(p), wall)).collect();
+    let turn = |k: i32| {
+        let (sin, cos) = (TAU * (f64::from(k) / 16.0 - 0.25)).sin_cos();
+        (v(0.34 + 0.22 * cos, 0.46 + 0.24 * sin, 0.0), 0.045)
+    };
+    let handle: Vec<_> = (0..=8).map(turn).collect();
+    vec![Group::new(0.0, 0.0).revolved(&cup), Group::new(0.0, 0.04).chain(&handle)]
 }
 
 /// A tube along a trefoil.

@@ -152,7 +152,7 @@ fn tell(
 fn objects(args: &Args) -> Result<Vec<(String, Option<PathBuf>)>> {
     let files = match (&args.dir, &args.names) {
         (None, _) => {
-            let bodies = BodyKind::ALL.iter().map(|body| body.as_str());
+            let bodies = BodyKind::all().map(|body| body.as_str());
             return Ok(std::iter::once("chair")
                 .chain(bodies)
                 .map(|n| (n.to_owned(), None))
@@ -172,8 +172,8 @@ fn load(object: &str, path: Option<&Path>) -> Result<PlainMesh> {
         let scene = crate::mesh::import(input.mesh(), input.kind(), &Limits::default())?;
         return Ok(PlainMesh::of(&scene));
     }
-    let bytes = match BodyKind::ALL.iter().find(|body| body.as_str() == object) {
-        Some(&kind) => {
+    let bytes = match BodyKind::all().find(|body| body.as_str() == object) {
+        Some(kind) => {
             let style = BodyStyle { triangles: TRIANGLES, ..BodyStyle::default() };
             body::make(kind, style).glb(object)
         }
