@@ -7,7 +7,7 @@ use super::limits::ChartLimits;
 use super::limits::cost::edge_cost;
 use super::limits::extent::{Extent, extent, fits_page};
 use super::limits::fit::from_scratch;
-use super::moves::compact::PRICE;
+use super::moves::compact::CUT_PRICE;
 use super::moves::straighten::straighten;
 use super::part_mesh::PartMesh;
 use super::patches::patches;
@@ -80,11 +80,11 @@ impl<'a> Joiner<'a> {
         sides: &[Side],
     ) -> Result<(Patchwork<'m>, Patchwork<'m>), Canceled> {
         let (limits, run) = (self.limits, self.run);
-        let whole = whole(mesh, limits, run)?;
         let least = PLAIN * limits.worth * limits.chart;
-        if let Some(whole) = whole.as_ref().filter(|whole| whole.energy[0] <= least) {
-            return Ok((whole.clone(), whole.clone()));
-        }
+        let whole = match whole(mesh, limits, run)? {
+            Some(whole) if whole.energy[0] <= least => return Ok((whole.clone(), whole)),
+            other => other,
+        };
         let work = patchwork(mesh, sides, limits, run)?;
         let joined = join(work.clone(), None, limits, run)?;
         let mut best = (work, joined);
@@ -221,7 +221,7 @@ fn balance(work: &Patchwork, limits: &ChartLimits) -> f64 {
     let empty = |(extent, area): (&Extent, &f64)| (extent.rectangle - area).max(0.0);
     let empty: f64 = work.extent.iter().zip(&work.area).map(empty).sum();
     let energy: f64 = work.energy.iter().sum();
-    objective(work, limits) + energy + limits.worth * empty / (PRICE * limits.size)
+    objective(work, limits) + energy + limits.worth * empty / (CUT_PRICE * limits.size)
 }
 
 /// How many charts there are.

@@ -7,7 +7,7 @@ use super::error::Cause;
 use super::joint;
 use super::parts::{Found, Solvers};
 use super::regions::{self, Regions};
-use super::sheets;
+use super::soft_borders::soft_borders;
 use crate::charts::{self, Chart, ChartOptions, Orders};
 use crate::contract::{GaveUp, JointSeams, Quality, Run, Scarce, Stage, UnwrapOptions};
 use crate::mesh::{DisjointSets, NONE, Surface};
@@ -43,7 +43,7 @@ pub fn cut(
     let how = ChartOptions::from(options);
     let segmented = solvers.segmented();
     let regions = regions::divide(found, &segmented, options.atlas)
-        .joined(found, &sheets::soft_borders(found, &segmented));
+        .joined(found, &soft_borders(found, &segmented));
     // Seams are trained once: a second training would find the time of the first spent.
     let openness = match options.quality {
         Quality::Best if run.is_late(Stage::Segment) => {

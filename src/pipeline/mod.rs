@@ -30,7 +30,7 @@ mod report;
 mod result;
 #[cfg(test)]
 mod scenes;
-mod sheets;
+mod soft_borders;
 mod summary;
 mod ways;
 

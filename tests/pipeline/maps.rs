@@ -108,12 +108,11 @@ fn there_are_fewer_charts_when_asked_or_a_warning() {
 
 #[test]
 fn a_job_may_end_with_its_charts() {
-    let stop = |stop_after| {
-        // What is trained may be cut otherwise: `balanced` cuts both alike.
-        let options = UnwrapOptions { stop_after, quality: Quality::Balanced, ..quick() };
+    let stop = |quality, stop_after| {
+        let options = UnwrapOptions { stop_after, quality, ..quick() };
         unwrap_example("chair_small.glb", &options)
     };
-    let result = stop(Some(StopAfter::Charts));
+    let result = stop(Quality::Best, Some(StopAfter::Charts));
     let m = &result.metrics;
     assert!(m.atlas.certificate.valid && m.deterministic);
     for kind in [ArtifactKind::Model, ArtifactKind::Layout, ArtifactKind::Preview] {
@@ -124,7 +123,9 @@ fn a_job_may_end_with_its_charts() {
     assert!(m.charts.iter().all(|c| c.neural_gain.is_none()));
     let ran = |stage: Stage| m.cost.stages.iter().any(|s| s.name == stage.as_str());
     assert!(ran(Stage::Charts) && ran(Stage::Pack) && !ran(Stage::Train) && !ran(Stage::Polish));
-    let whole = stop(None).metrics;
+    // What was trained may ship another cut: `balanced` cuts both alike.
+    let m = stop(Quality::Balanced, Some(StopAfter::Charts)).metrics;
+    let whole = stop(Quality::Balanced, None).metrics;
     assert_eq!(whole.atlas.charts, m.atlas.charts);
     let energy = |c: &ChartMetrics| c.figures.symmetric_dirichlet_chart.unwrap();
     for (start, polished) in m.charts.iter().zip(&whole.charts) {

@@ -1,8 +1,8 @@
 //! Charts joined anew (docs/method.md, 4.6): which seams are closed first decides where the joining ends, and
 //! near-ties decide that. So a few neighbouring charts are taken apart to the patches that they were made of
 //! and joined in another order, again and again; what costs less stays (large neighbourhood search: Shaw 1998,
-//! doi:10.1007/3-540-49481-2_30). A try costs what its charts do, and tries end when the last ones gained
-//! nothing, or the work that is counted for them is done.
+//! doi:10.1007/3-540-49481-2_30). Tries end when the last ones gained nothing, or the work that is allowed them,
+//! counted in faces of the charts taken apart, is done.
 
 use std::collections::BTreeSet;
 
@@ -34,7 +34,7 @@ pub fn rejoin<'a>(
     let mut idle = 0;
     let mut tried: BTreeSet<Vec<u32>> = BTreeSet::new();
     for round in 0.. {
-        if idle >= IDLE || run.skips(Stage::Charts, GaveUp::Joining) {
+        if idle >= IDLE {
             break;
         }
         run.cancel.check()?;
@@ -42,6 +42,9 @@ pub fn rejoin<'a>(
         let Some(charts) = neighbours(&work, &mut random) else { break };
         let faces: usize = charts.iter().map(|&c| work.faces[c as usize].len()).sum();
         let Some(left) = allowance.checked_sub(faces) else { break };
+        if run.skips(Stage::Charts, GaveUp::Joining) {
+            break;
+        }
         allowance = left;
         let mut other = work.clone();
         let mut apart = Vec::new();
@@ -74,8 +77,8 @@ pub fn rejoin<'a>(
     Ok(work)
 }
 
-/// A chart that has a neighbour, drawn by the length of its seams, and up to so many beside it; ascending. `None`
-/// where no two charts meet.
+/// Two charts that meet, drawn by the length of their seams, and one beside them; ascending. `None` where no two
+/// meet.
 fn neighbours(work: &Patchwork, random: &mut Seeded) -> Option<Vec<u32>> {
     let seams: Vec<(u32, f64)> = (0u32..)
         .zip(&work.mesh.twin)

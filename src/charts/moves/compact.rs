@@ -25,7 +25,7 @@ const EMPTY: f64 = 0.05;
 const SAVED: f64 = 0.02;
 
 /// … and for its length over √ΣA.
-pub const PRICE: f64 = 0.15;
+pub const CUT_PRICE: f64 = 0.15;
 
 /// Most pieces of one cut.
 const PIECES: usize = 4;
@@ -108,7 +108,7 @@ fn best_cut(
                 .filter(|&h| work.glued[h as usize] && beyond(h) && !same(h))
                 .map(|h| work.mesh.length(h))
                 .sum();
-            let price = SAVED * page + PRICE * limits.size * length;
+            let price = SAVED * page + CUT_PRICE * limits.size * length;
             if whole - area < price {
                 continue;
             }

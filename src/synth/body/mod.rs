@@ -14,8 +14,9 @@ use clap::ValueEnum;
 use glam::DVec3;
 
 use super::glb;
-use field::Field;
+use field::{Field, Group};
 use marching_cubes::{Grid, Table};
+use modelled::Maker;
 pub use noise::NoiseKind;
 
 /// What body can be made.
@@ -172,14 +173,47 @@ impl Body {
     }
 }
 
+/// What a body is made from.
+enum Form {
+    /// The shapes of its field.
+    Scanned(Vec<Group>),
+    /// Its loops of quads.
+    Modelled(Maker),
+}
+
+fn form(kind: BodyKind) -> Form {
+    match kind {
+        BodyKind::Hand => Form::Scanned(shapes::hand()),
+        BodyKind::Animal => Form::Scanned(shapes::animal()),
+        BodyKind::Vase => Form::Scanned(shapes::vase()),
+        BodyKind::Knot => Form::Scanned(shapes::knot()),
+        BodyKind::Genus3 => Form::Scanned(shapes::genus3()),
+        BodyKind::FusedChair => Form::Scanned(shapes::chair()),
+        BodyKind::Mug => Form::Scanned(shapes::mug()),
+        BodyKind::Spring => Form::Modelled(modelled::spring),
+        BodyKind::Hose => Form::Modelled(modelled::hose),
+        BodyKind::Rim => Form::Modelled(modelled::rim),
+        BodyKind::Cloth => Form::Modelled(modelled::cloth),
+        BodyKind::Terrain => Form::Modelled(modelled::terrain),
+        BodyKind::Bolt => Form::Modelled(modelled::bolt),
+        BodyKind::Gear => Form::Modelled(modelled::gear),
+        BodyKind::Wheel => Form::Modelled(modelled::wheel),
+        BodyKind::Figure => Form::Modelled(modelled::figure),
+        BodyKind::Frame => Form::Modelled(modelled::frame),
+    }
+}
+
 /// Make a body. The same arguments always give the same one.
 pub fn make(kind: BodyKind, style: BodyStyle) -> Body {
     let copies = style.copies.max(1);
     let wanted = style.triangles / copies;
-    let mut one = modelled::with_triangles(kind, wanted).unwrap_or_else(|| {
-        let (positions, triangles) = with_triangles(&shapes::field(kind), wanted);
-        Body { positions, triangles }
-    });
+    let mut one = match form(kind) {
+        Form::Scanned(groups) => {
+            let (positions, triangles) = with_triangles(&Field::new(groups), wanted);
+            Body { positions, triangles }
+        }
+        Form::Modelled(make) => modelled::with_triangles(make, wanted),
+    };
     let size = one.size();
     noise::add(&mut one.positions, &one.triangles, style.noise_kind, style.noise, style.seed);
     if copies == 1 { one } else { side_by_side(&one, copies, size) }

@@ -6,15 +6,17 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::{Body, BodyKind};
+use super::Body;
 use crate::synth::solid::{Cap, Solid, cylinder, hoop, lathe, skin, tube};
 
 /// Halvings of the interval in which the edge length lies.
 const HALVINGS: usize = 40;
 
-/// The body with the shortest edges that give no more triangles than wanted. `None`: it is a scanned one.
-pub(super) fn with_triangles(kind: BodyKind, wanted: usize) -> Option<Body> {
-    let make = maker(kind)?;
+/// A body of edges of a length.
+pub(super) type Maker = fn(f64) -> Solid;
+
+/// The body with the shortest edges that give no more triangles than wanted.
+pub(super) fn with_triangles(make: Maker, wanted: usize) -> Body {
     // Edge lengths known to give few enough and too many.
     let (mut long, mut short) = (0.2_f64, 1e-4_f64);
     let mut best = make(long);
@@ -32,26 +34,7 @@ pub(super) fn with_triangles(kind: BodyKind, wanted: usize) -> Option<Body> {
             short = edge;
         }
     }
-    Some(Body { positions: best.positions, triangles: best.triangles })
-}
-
-/// A body of edges of a length.
-type Maker = fn(f64) -> Solid;
-
-fn maker(kind: BodyKind) -> Option<Maker> {
-    Some(match kind {
-        BodyKind::Spring => spring,
-        BodyKind::Hose => hose,
-        BodyKind::Rim => rim,
-        BodyKind::Cloth => cloth,
-        BodyKind::Terrain => terrain,
-        BodyKind::Bolt => bolt,
-        BodyKind::Gear => gear,
-        BodyKind::Wheel => wheel,
-        BodyKind::Figure => figure,
-        BodyKind::Frame => frame,
-        _ => return None,
-    })
+    Body { positions: best.positions, triangles: best.triangles }
 }
 
 /// Edges along a length, at least `least`.
@@ -65,7 +48,7 @@ fn curve(count: usize, at: impl Fn(f64) -> DVec3) -> Vec<DVec3> {
 }
 
 /// Six turns of a wire with flat ends.
-fn spring(edge: f64) -> Solid {
+pub(super) fn spring(edge: f64) -> Solid {
     let (turns, ring, wire, pitch) = (6.0, 0.3, 0.04, 0.15);
     let length = turns * f64::hypot(TAU * ring, pitch);
     let path = curve(edges(length, edge, 48), |t| {
@@ -76,7 +59,7 @@ fn spring(edge: f64) -> Solid {
 }
 
 /// A tube along a winding curve, open at both ends.
-fn hose(edge: f64) -> Solid {
+pub(super) fn hose(edge: f64) -> Solid {
     let radius = 0.035;
     let path = curve(edges(2.6, edge, 24), |t| {
         let s = 2.0 * t - 1.0;
@@ -91,7 +74,7 @@ fn hose(edge: f64) -> Solid {
 }
 
 /// A ring of a wheel without its tyre: a closed tube.
-fn rim(edge: f64) -> Solid {
+pub(super) fn rim(edge: f64) -> Solid {
     ring(0.45, 0.03, edge).map(|p| p + DVec3::Y * 0.48)
 }
 
@@ -123,7 +106,7 @@ fn sheet(columns: usize, rows: usize, at: impl Fn(f64, f64) -> DVec3) -> Solid {
 }
 
 /// A wavy strip.
-fn cloth(edge: f64) -> Solid {
+pub(super) fn cloth(edge: f64) -> Solid {
     sheet(edges(1.1, edge, 12), edges(0.5, edge, 4), |u, v| {
         let wave = 0.05 * (TAU * 2.0 * u).sin() + 0.02 * (TAU * (u + 0.7 * v)).cos();
         DVec3::new(u - 0.5, 0.1 + wave, 0.5 * (v - 0.5) + 0.03 * (TAU * u).sin())
@@ -131,7 +114,7 @@ fn cloth(edge: f64) -> Solid {
 }
 
 /// Hills over a square.
-fn terrain(edge: f64) -> Solid {
+pub(super) fn terrain(edge: f64) -> Solid {
     let count = edges(1.1, edge, 16);
     sheet(count, count, |u, v| {
         let mut height = 0.0;
@@ -146,7 +129,7 @@ fn terrain(edge: f64) -> Solid {
 }
 
 /// A shaft with a thread and a hexagonal head.
-fn bolt(edge: f64) -> Solid {
+pub(super) fn bolt(edge: f64) -> Solid {
     let (shaft, head, thread, pitch) = (0.12, 0.24, 0.012, 0.06);
     // Corners of the head are corners of the mesh.
     let sides = 6 * edges(TAU * shaft / 6.0, edge, 2);
@@ -215,7 +198,7 @@ fn section(corners: &[DVec2], edge: f64) -> Vec<DVec2> {
 }
 
 /// A spur wheel of eighteen teeth with a bore.
-fn gear(edge: f64) -> Solid {
+pub(super) fn gear(edge: f64) -> Solid {
     let (teeth, root, tip, bore, width) = (18, 0.38, 0.45, 0.12, 0.14);
     // Radius and height of the section; what is at the outside follows the teeth.
     let square = [(bore, 0.0), (root, 0.0), (root, width), (bore, width)].map(DVec2::from);
@@ -244,7 +227,7 @@ fn gear(edge: f64) -> Solid {
 }
 
 /// A rim, a hub and sixteen spokes, which touch and are not grown together.
-fn wheel(edge: f64) -> Solid {
+pub(super) fn wheel(edge: f64) -> Solid {
     let (hub, spoke) = (0.07, 0.008);
     let sides = edges(TAU * hub, edge, 12);
     let mut solid = ring(0.45, 0.025, edge).and(
@@ -280,7 +263,7 @@ fn capsule(from: DVec3, to: DVec3, radius: f64, edge: f64) -> Solid {
 }
 
 /// A person of capsules that run into each other.
-fn figure(edge: f64) -> Solid {
+pub(super) fn figure(edge: f64) -> Solid {
     let v = DVec3::new;
     let mut bones = vec![
         (v(0.0, 0.62, 0.0), v(0.0, 0.86, 0.0), 0.11),
@@ -303,7 +286,7 @@ fn figure(edge: f64) -> Solid {
 }
 
 /// The frame of a picture: a moulding with mitred corners.
-fn frame(edge: f64) -> Solid {
+pub(super) fn frame(edge: f64) -> Solid {
     let half = DVec2::new(0.42, 0.55);
     // How far in from the outside, and how far forward.
     let moulding =

@@ -6,28 +6,14 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::BodyKind;
-use super::field::{Field, Group};
-
-/// The field of a scanned kind of body.
-pub(super) fn field(kind: BodyKind) -> Field {
-    Field::new(match kind {
-        BodyKind::Mug => mug(),
-        BodyKind::Animal => animal(),
-        BodyKind::Vase => vase(),
-        BodyKind::Knot => knot(),
-        BodyKind::Genus3 => genus3(),
-        BodyKind::FusedChair => chair(),
-        _ => hand(),
-    })
-}
+use super::field::Group;
 
 const fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
 /// A palm of metacarpals, four fingers of three phalanges, a thumb, a wrist.
-fn hand() -> Vec<Group> {
+pub(super) fn hand() -> Vec<Group> {
     // Knuckle, its radius, the turn sideways in degrees, lengths and radius of the finger.
     let fingers = [
         (v(-0.180, 0.500, 0.000), 0.070, 13.0, [0.190, 0.125, 0.090], 0.047),
@@ -71,7 +57,7 @@ fn hand() -> Vec<Group> {
 }
 
 /// A four-legged animal that looks along x.
-fn animal() -> Vec<Group> {
+pub(super) fn animal() -> Vec<Group> {
     let trunk = Group::new(0.08, 0.0).chain(&[
         (v(-0.32, 0.57, 0.0), 0.135),
         (v(-0.05, 0.55, 0.0), 0.140),
@@ -120,7 +106,7 @@ fn animal() -> Vec<Group> {
 }
 
 /// An open vessel: the middle of its floor and wall, turned about the axis.
-fn vase() -> Vec<Group> {
+pub(super) fn vase() -> Vec<Group> {
     // Radius, height and half thickness; a Catmull–Rom curve runs through them.
     let points = [
         [0.0, 0.06, 0.045],
@@ -153,7 +139,7 @@ fn vase() -> Vec<Group> {
 }
 
 /// A cup with a wall and a handle.
-fn mug() -> Vec<Group> {
+pub(super) fn mug() -> Vec<Group> {
     let wall = 0.05;
     let middle = [(0.0, wall), (0.3, wall), (0.34, 0.08), (0.35, 0.4), (0.36, 0.85)];
     let cup: Vec<_> = middle.iter().map(|&p| (DVec2::from(p), wall)).collect();
@@ -166,7 +152,7 @@ fn mug() -> Vec<Group> {
 }
 
 /// A tube along a trefoil.
-fn knot() -> Vec<Group> {
+pub(super) fn knot() -> Vec<Group> {
     let (pieces, a_group) = (192, 6);
     let ball = |i: i32| {
         let t = TAU * f64::from(i) / f64::from(pieces);
@@ -180,7 +166,7 @@ fn knot() -> Vec<Group> {
 }
 
 /// Three rings in a bent row, each grown together with the next.
-fn genus3() -> Vec<Group> {
+pub(super) fn genus3() -> Vec<Group> {
     let (ring, tube) = (0.15, 0.062);
     [(v(-0.28, 0.26, 0.0), -0.25), (v(0.0, 0.36, 0.0), 0.0), (v(0.28, 0.26, 0.0), 0.25)]
         .map(|(centre, turn)| {
@@ -191,7 +177,7 @@ fn genus3() -> Vec<Group> {
 }
 
 /// Seat, legs with stretchers, a back of two posts and a panel: four handles.
-fn chair() -> Vec<Group> {
+pub(super) fn chair() -> Vec<Group> {
     let seat = v(0.25, 0.034, 0.24);
     let mut groups =
         vec![Group::new(0.0, 0.0).block(v(0.0, 0.46, 0.0), DQuat::IDENTITY, seat, 0.03)];

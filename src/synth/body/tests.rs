@@ -10,6 +10,13 @@ fn plain(kind: BodyKind, triangles: usize) -> Body {
     make(kind, BodyStyle { triangles, ..BodyStyle::default() })
 }
 
+fn field(kind: BodyKind) -> Field {
+    match form(kind) {
+        Form::Scanned(groups) => Field::new(groups),
+        Form::Modelled(_) => unreachable!("{kind:?} is modelled"),
+    }
+}
+
 /// Every edge has its opposite and every vertex one fan. Returns the Euler characteristic and the
 /// number of components.
 fn topology(body: &Body) -> (i64, usize) {
@@ -113,7 +120,7 @@ fn modelled_bodies_are_manifolds_of_known_topology_and_size() {
 #[test]
 fn fields_are_lipschitz_and_their_parts_stand_for_them() {
     for kind in BodyKind::SCANNED {
-        let field = shapes::field(kind);
+        let field = field(kind);
         let (size, step) = (field.high - field.low, 0.01);
         for i in 0..20_000 {
             let t = f64::from(i);
@@ -186,7 +193,7 @@ fn no_diagonal_lies_in_a_face_of_the_cube() {
 
 #[test]
 fn counting_and_meshing_agree() {
-    let (field, table) = (shapes::field(BodyKind::Hand), Table::new());
+    let (field, table) = (field(BodyKind::Hand), Table::new());
     let grid = Grid::new(&field, &table, 0.017);
     assert_eq!(grid.count(), grid.surface().1.len());
 }

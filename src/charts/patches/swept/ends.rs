@@ -4,6 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::both_sides;
 use super::course::Course;
 use super::net::Net;
 use crate::charts::part_mesh::PartMesh;
@@ -76,8 +77,8 @@ fn generator(net: &Net) -> Option<BTreeSet<u32>> {
     for v in [net.from(shortest)?, net.to(shortest)?] {
         ways.to(v).into_iter().for_each(|h| *edges.entry(lowest(h)).or_default() += 1);
     }
-    let once = edges.into_iter().filter(|&(_, count)| count == 1).map(|(h, _)| h);
-    Some(once.flat_map(|h| [h, mesh.twin[h as usize]]).collect())
+    let once = edges.iter().filter(|(_, count)| **count == 1).map(|(h, _)| h);
+    Some(both_sides(mesh, once))
 }
 
 /// The vertex that is farthest from some others.

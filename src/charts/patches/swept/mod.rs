@@ -47,12 +47,13 @@ pub fn swept(mesh: &PartMesh, limits: &ChartLimits, run: &Run) -> Result<Vec<Sid
     let cuts = tube.cross_cuts(&long, limits.length);
     let across: BTreeSet<u32> = both_sides(mesh, cuts.iter().flatten());
     let across = &across | &tube.ended.cut;
-    let sides_of_long = both_sides(mesh, &long);
-    let inside = |h: u32| !sides_of_long.contains(&h) && !across.contains(&h);
+    let long_sides = both_sides(mesh, &long);
+    let inside = |h: u32| !long_sides.contains(&h) && !across.contains(&h);
     let mut sides = Vec::new();
     for faces in mesh.components(&tube.ended.net.piece.faces, inside) {
         run.cancel.check()?;
-        let strip = Strip { tube: &tube, long: &long, across: &across, faces };
+        let (long, long_sides, across) = (&long, &long_sides, &across);
+        let strip = Strip { tube: &tube, long, long_sides, across, faces };
         sides.extend(strip.sides(limits, run)?);
     }
     Ok(sides)
@@ -141,21 +142,18 @@ impl<'a> SweptTube<'a> {
 /// Vertices on both sides of a cut (half-edges on one of its sides) in a net that is open there.
 fn banks(open: &Net, cut: &[u32]) -> [Vec<u32>; 2] {
     let of = |h: u32| [open.from(h), open.to(h)].into_iter().flatten();
-    let sorted = |mut bank: Vec<u32>| {
-        bank.sort_unstable();
-        bank.dedup();
-        bank
-    };
     let left = cut.iter().flat_map(|&h| of(h)).collect();
     let right = cut.iter().flat_map(|&h| of(open.mesh.twin[h as usize])).collect();
-    [sorted(left), sorted(right)]
+    [left, right]
 }
 
 /// A piece of a tube between two cuts across.
 struct Strip<'t, 'a> {
     tube: &'t SweptTube<'a>,
-    /// Half-edges of the long cut, on one of its sides.
+    /// Half-edges of the long cut, on one of its sides …
     long: &'t [u32],
+    /// … and on both.
+    long_sides: &'t BTreeSet<u32>,
     /// Half-edges of the cuts across, on both sides.
     across: &'t BTreeSet<u32>,
     faces: Vec<u32>,
@@ -165,11 +163,10 @@ impl Strip<'_, '_> {
     /// The strip in as few pieces as can be flattened within the bound; none if it cannot.
     fn sides(&self, limits: &ChartLimits, run: &Run) -> Result<Vec<Side>, Canceled> {
         let mesh = self.tube.ended.net.mesh;
-        let one = both_sides(mesh, self.long);
-        if let Some(sides) = self.pieces(&one, limits, run)? {
+        if let Some(sides) = self.pieces(self.long_sides, limits, run)? {
             return Ok(sides);
         }
-        let Some(open) = self.opened(&one) else { return Ok(Vec::new()) };
+        let Some(open) = self.opened() else { return Ok(Vec::new()) };
         if let (Some(a), Some(b)) = (self.line(&open, 0.25), self.line(&open, 0.75)) {
             let beside = both_sides(mesh, a.iter().chain(&b));
             if let Some(sides) = self.pieces(&beside, limits, run)? {
@@ -177,7 +174,7 @@ impl Strip<'_, '_> {
             }
         }
         if let Some(middle) = self.line(&open, 0.5) {
-            let on = &one | &both_sides(mesh, &middle);
+            let on = self.long_sides | &both_sides(mesh, &middle);
             if let Some(sides) = self.pieces(&on, limits, run)? {
                 return Ok(sides);
             }
@@ -217,10 +214,11 @@ impl Strip<'_, '_> {
 
     /// The strip, open at its long cut, and how far round the section each vertex is: 0 on one side of the
     /// cut to 1 on the other.
-    fn opened(&self, long: &BTreeSet<u32>) -> Option<(Net<'_>, Vec<f64>)> {
+    fn opened(&self) -> Option<(Net<'_>, Vec<f64>)> {
         let mesh = self.tube.ended.net.mesh;
-        let open =
-            Net::new(mesh, self.faces.clone(), |h| !long.contains(&h) && !self.across.contains(&h));
+        let open = Net::new(mesh, self.faces.clone(), |h| {
+            !self.long_sides.contains(&h) && !self.across.contains(&h)
+        });
         let [left, right] = banks(&open, self.long);
         let given = left.iter().map(|&v| (v, 0.0)).chain(right.iter().map(|&v| (v, 1.0)));
         let turn = open.harmonic(given)?;

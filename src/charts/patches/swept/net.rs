@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use crate::charts::part_mesh::{PartMesh, Piece};
+use crate::charts::patchwork::next;
 use crate::flatten::{Border, harmonic};
 use crate::mesh::NONE;
 
@@ -59,7 +60,7 @@ impl<'a> Net<'a> {
 
     /// The vertex to which a half-edge of the net leads.
     pub fn to(&self, h: u32) -> Option<u32> {
-        self.from(3 * (h / 3) + (h % 3 + 1) % 3)
+        self.from(next(h))
     }
 
     /// Where a vertex is.

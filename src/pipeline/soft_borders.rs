@@ -1,5 +1,5 @@
 //! Borders that charts may cross (docs/method.md, 4): what only the network draws between two parts of an open
-//! smooth sheet, where there is no crease and no fold and nothing that the file says, is no place for a seam.
+//! smooth surface, where there is no crease and no fold and nothing that the file says, is no place for a seam.
 //! Such parts share their charts; a seam comes to lie there only where the distortion bound wants one.
 
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use super::regions::{Segmented, is_guessed};
 use crate::contract::PartJoin;
 use crate::mesh::{NONE, Surface};
 
-/// Least border of an open sheet over the root of its area: a vessel with a narrow mouth has less.
+/// Least border of an open surface over the root of its area: a vessel with a narrow mouth has less.
 const OPEN: f64 = 0.5;
 
 /// A border lies on a fold, a valley or its other side, if the surface bends there by more than this signed
@@ -22,7 +22,7 @@ const TOLD: f64 = 0.02;
 /// The joins over such borders.
 pub fn soft_borders(found: &Found, on: &Segmented) -> Vec<PartJoin> {
     let (surface, parts) = (on.surface, &found.parts.parts);
-    let open = on_open_sheets(surface);
+    let open = widely_open(surface);
     // Length of each border, and of what of it is told by more than the network, and how much it bends.
     let mut borders: BTreeMap<(u32, u32), [f64; 3]> = BTreeMap::new();
     for (h, &t) in (0u32..).zip(&surface.twin).filter(|&(h, &t)| t != NONE && h < t) {
@@ -63,20 +63,20 @@ fn is_told(surface: &Surface, h: u32) -> bool {
         || origin(h as usize) != origin(t)
 }
 
-/// Whether each face lies in a connected component of which much of the outline is border.
-fn on_open_sheets(surface: &Surface) -> Vec<bool> {
-    let sheet = surface.components(|_| true);
-    let count = sheet.iter().max().map_or(0, |&m| m as usize + 1);
+/// Whether each face lies in a connected component that has a long border for its area.
+fn widely_open(surface: &Surface) -> Vec<bool> {
+    let component = surface.components(|_| true);
+    let count = component.iter().max().map_or(0, |&m| m as usize + 1);
     let (mut border, mut area) = (vec![0.0; count], vec![0.0; count]);
-    for (f, &s) in sheet.iter().enumerate() {
-        area[s as usize] += surface.areas[f];
+    for (f, &c) in component.iter().enumerate() {
+        area[c as usize] += surface.areas[f];
         for h in 3 * f..3 * f + 3 {
             if surface.twin[h] == NONE {
-                border[s as usize] += surface.length(h as u32);
+                border[c as usize] += surface.length(h as u32);
             }
         }
     }
-    sheet.iter().map(|&s| border[s as usize] >= OPEN * f64::sqrt(area[s as usize])).collect()
+    component.iter().map(|&c| border[c as usize] >= OPEN * f64::sqrt(area[c as usize])).collect()
 }
 
 #[cfg(test)]
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_the_network_draws_on_a_smooth_sheet_gives_way() {
+    fn what_only_the_network_draws_on_an_open_smooth_surface_gives_way() {
         let flat = scenes::sheet(8, |_, _| 0.0);
         assert_eq!(borders(&flat, SegmentationSource::Learned), 1);
         assert_eq!(borders(&flat, SegmentationSource::Labels), 0, "what is given stays");
