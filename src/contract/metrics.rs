@@ -30,6 +30,11 @@ pub struct AtlasMetrics {
     pub height: u32,
     /// How many charts.
     pub charts: u32,
+    /// How many where only a common edge joins faces: a chart that hangs together by a vertex on an edge (a
+    /// T-junction) counts more than once.
+    #[serde(default)]
+    #[schema(required)]
+    pub edge_charts: u32,
     /// Proof of validity.
     pub certificate: Certificate,
     /// Share of the page that is used.

@@ -27,6 +27,9 @@ pub struct Repairs {
     /// Places where vertices are close to each other one by one and far apart together; they were not merged.
     #[serde(default)]
     pub wide_welds: u64,
+    /// Vertices on an edge of a face that does not have them (T-junctions), closed: the edge is no seam.
+    #[serde(default)]
+    pub t_junctions: u64,
     /// Faces that stand twice, with both windings, as the two sides of a sheet.
     pub double_sided_faces: u64,
     /// Faces at the same place as another with the same winding, less one each: they share its coordinates.
@@ -61,6 +64,10 @@ pub struct FirstFaces {
     /// Of a component without a consistent winding.
     #[schema(required)]
     pub components_without_winding: Option<u64>,
+    /// With a vertex of others on one of its edges.
+    #[serde(default)]
+    #[schema(required)]
+    pub t_junctions: Option<u64>,
     /// At the place of another, with its winding.
     #[schema(required)]
     pub copies: Option<u64>,

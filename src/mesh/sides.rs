@@ -37,6 +37,9 @@ impl Sides {
             let mut behind: Vec<u32> = behind.map(|(&f, _)| f).collect();
             behind.sort_unstable();
             behind.dedup();
+            let closed = |cap: &u32| behind.binary_search(&surface.closes[*cap as usize]).is_ok();
+            let caps = (0..surface.closes.len() as u32).filter(|&f| surface.is_cap(f));
+            behind.extend(caps.filter(closed).collect::<Vec<_>>());
             for (i, &f) in (count as u32..).zip(&behind) {
                 second[f as usize] = i;
             }
@@ -83,6 +86,11 @@ fn add_second(own: &mut Surface, surface: &Surface, behind: &[u32], second: &[u3
         own.origins.push(back.origins[f]);
         own.sheet_mate[f] = second[f];
         own.sheet_mate.push(f as u32);
+        if surface.is_cap(f as u32) {
+            own.closes.push(second[surface.closes[f] as usize]);
+        } else if !surface.closes.is_empty() {
+            own.closes.push(NONE);
+        }
         for h in 3 * f..3 * f + 3 {
             let t = back.twin[h];
             let there = if t == NONE { NONE } else { second[t as usize / 3] };

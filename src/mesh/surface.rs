@@ -44,6 +44,10 @@ pub struct Surface {
     /// Another face at the same place, or [`NONE`]: the other side of a sheet or of a wall, or one of another
     /// material or label. Length: faces.
     pub sheet_mate: Vec<u32>,
+    /// Of a cap, the face whose edge it closes, else [`NONE`]. A cap is a face without a counterpart in the file,
+    /// at a vertex that lies on an edge (a T-junction), thin as a thousandth of that edge. Length: faces, or 0
+    /// where there are none.
+    pub closes: Vec<u32>,
     /// Whether each half-edge is a seam of the texture coordinates that the file came with. Length:
     /// 3 × faces, or 0 where there are none.
     pub existing_seams: Vec<bool>,
@@ -63,6 +67,17 @@ impl Surface {
     /// Number of faces.
     pub fn face_count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Whether a face is a cap, which no file has.
+    pub fn is_cap(&self, face: u32) -> bool {
+        self.closes.get(face as usize).is_some_and(|&closed| closed != NONE)
+    }
+
+    /// For each cap the first face of the file whose edge it closes.
+    pub fn closed_faces(&self) -> Vec<u64> {
+        let closed = self.closes.iter().filter(|f| **f != NONE);
+        closed.map(|&f| u64::from(self.origins[f as usize].face)).collect()
     }
 
     /// Values of the file's faces in the order of this surface.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::caps;
 use super::error::Cause;
 use super::maps::Mapped;
 use super::parts::Found;
@@ -31,7 +32,7 @@ pub fn deliver(
     let mut behind = Vec::new();
     // Regions of second sides whose charts are not second to a whole one.
     let mut rest = vec![NONE; surface.face_count()];
-    for m in charts {
+    for m in caps::of_the_file(&found.surface, charts) {
         let faces: Vec<u32> = m.chart.faces.iter().map(|&f| second[f as usize]).collect();
         if faces.iter().all(|&f| f != NONE) {
             let mut mate = m.clone();

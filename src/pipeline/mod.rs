@@ -5,6 +5,7 @@
 //! A stage is a function of its inputs, the options and the [`Run`] (which holds clock, cancellation,
 //! budget and progress) that returns its output whole.
 
+mod caps;
 mod certify;
 mod charting;
 mod choice;

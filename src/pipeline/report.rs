@@ -1,5 +1,6 @@
 //! The last stages: measure, draw, write, and the metrics that say what was done.
 
+use super::caps;
 use super::choice;
 use super::engine::Engine;
 use super::error::Cause;
@@ -82,6 +83,7 @@ pub fn whole(
         width: options.page_size,
         height: options.page_size,
         charts: finished.charts.len() as u32,
+        edge_charts: caps::edge_charts(&found.surface, &finished.charts) as u32,
         certificate: finished.certificates.atlas.clone(),
         packing_efficiency,
         developable: metrics::developable(&measured),

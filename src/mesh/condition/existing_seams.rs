@@ -27,8 +27,9 @@ pub fn existing_seams(scene: &Scene, file: &FileFaces, surface: &Surface) -> Vec
     let corner = |h: usize| {
         let face = surface.origins[h / 3].face as usize;
         let vertex = surface.triangles[h / 3][h % 3];
-        let k = file.welded[face].iter().position(|&v| v == vertex).unwrap_or(0);
-        of_file[face][k]
+        let k = file.welded[face].iter().position(|&v| v == vertex);
+        // The vertex of a cap that its face does not have has none either.
+        k.map_or([f32::NAN; 2], |k| of_file[face][k])
     };
     let corners: Vec<[f32; 2]> = (0..twin.len()).map(corner).collect();
     let known = || corners.iter().flatten().filter(|x| x.is_finite());

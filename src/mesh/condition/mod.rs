@@ -1,9 +1,11 @@
 //! Scene → surface: the canonical surface of an object, in whatever way a file tells it (docs/method.md, 1).
 //! Weld; set slivers aside; one face a place; pair without windings; orient; find the front of each component;
-//! say which face of the file is which. For the solvers only; the file's geometry stays as it is.
+//! say which face of the file is which. Edges that the file divides on one side alone are closed. For the solvers only; the file's geometry stays as it is.
 
+mod complex;
 mod existing_seams;
 mod file;
+mod junctions;
 mod normals;
 mod orient;
 mod oriented_sets;
@@ -19,13 +21,13 @@ use glam::DVec3;
 
 use super::{NONE, Scene, Surface, Telling};
 use crate::contract::{Canceled, FirstFaces, Repairs, Run, Winding};
+use complex::Complex;
 use existing_seams::existing_seams;
 use file::FileFaces;
-use pairing::{EdgeGroups, Wings, pair};
-use places::{Class, Places};
+use pairing::EdgeGroups;
+use places::Places;
 use shells::Shells;
 use sign::Said;
-use walls::Walls;
 use weld::Weld;
 
 /// A face whose height is below this share of the diagonal has no area.
@@ -62,46 +64,23 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     let before = places.len();
     let places = places.by_solid(&solid);
 
-    let instance = |i: &[places::Instance]| (i[0].vertices, i[0].class, i[0].ascending);
-    let (mut triangles, mut classes): (Vec<[u32; 3]>, Vec<Class>) = places
-        .iter()
-        .map(instance)
-        .map(|([a, b, c], class, up)| (if up || !directed { [a, b, c] } else { [a, c, b] }, class))
-        .unzip();
-    let as_before = places.len() == before && !directed;
-    let mut groups = if as_before { groups } else { EdgeGroups::new(&triangles) };
-    let twice: Vec<bool> = places.iter().map(|i| i.len() > 1).collect();
-    let walls = Walls::find(&groups, &twice);
-    if !walls.faces.is_empty() {
-        triangles.extend(walls.faces.iter().map(|&f| triangles[f as usize]).collect::<Vec<_>>());
-        classes.extend(walls.faces.iter().map(|&f| classes[f as usize]).collect::<Vec<_>>());
-        groups = EdgeGroups::new(&triangles);
-    }
-    let faces = walls.places(places.len());
-    let ascending: Vec<bool> = faces
-        .iter()
-        .map(|&place| directed || places.instances(place as usize)[0].ascending)
-        .collect();
-    let wings = Wings {
-        positions: &positions,
-        triangles: &triangles,
-        class: &classes,
-        ascending: &ascending,
-        directed,
-    };
-    let mut twin = pair(&wings, &groups, &walls);
+    // Where solids part no place, the edges are still the same.
+    let groups = (places.len() == before && !directed).then_some(groups);
+    let Complex { positions, triangles, places: faces, closes, walls, mut twin } =
+        Complex::of(&places, groups, positions, diagonal, directed);
     run.cancel.check()?;
     // Where windings count, twins agree.
     let orientation = orient::orient(&triangles, &mut twin);
     let origin = |&place: &u32| file.origins[places.instances(place as usize)[0].face as usize];
     let cross = |t: &[u32; 3]| {
-        let [a, b, c] = at(t);
+        let [a, b, c] = t.map(|v| positions[v as usize]);
         (b - a).cross(c - a)
     };
     let mut surface = Surface {
         normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
         areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
         sheet_mate: mates(&triangles),
+        closes,
         origins: faces.iter().map(origin).collect(),
         names: scene.primitives.iter().map(|p| scene.name(p).to_owned()).collect(),
         existing_seams: Vec::new(),
@@ -124,12 +103,14 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     surface.labels = scene.labels.as_ref().map(|labels| surface.from_file_order(labels));
     surface.existing_seams = existing_seams(scene, &file, &surface);
 
+    let closed = surface.closed_faces();
     let first = |has: &dyn Fn(usize) -> bool| (0..usable.len()).find(|&f| has(f)).map(|f| f as u64);
     let without = orientation.without.first();
     let against = normals::against(&normals, &file, &usable);
     surface.repairs = Repairs {
         welded: (file.positions.len() - surface.positions.len()) as u64,
         wide_welds: weld.wide,
+        t_junctions: closed.len() as u64,
         zero_area_faces: usable.iter().filter(|u| !**u).count() as u64,
         nonmanifold_edges: nonmanifold as u64,
         split_vertices: split_vertices(&surface),
@@ -137,6 +118,7 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
         components_without_winding: orientation.without.len() as u64,
         first_faces: FirstFaces {
             zero_area_faces: first(&|f| !usable[f]),
+            t_junctions: closed.into_iter().min(),
             against_normals: against.first,
             components_without_winding: without
                 .map(|&f| u64::from(surface.origins[f as usize].face)),

@@ -122,6 +122,7 @@ impl<'a> Builder<'a> {
             normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
             areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
             sheet_mate: left_of.iter().map(mate).collect(),
+            closes: Vec::new(),
             existing_seams: match self.existing.is_empty() {
                 true => Vec::new(),
                 false => half_edges().map(|h| self.existing[h]).collect(),

@@ -97,9 +97,11 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     }
     let features = features(surface);
     let (positions, corners) = surface.sheets();
-    // Lace has no coarse form: too few faces would be left for each of its holes.
+    // Lace has no coarse form: too few faces would be left for each of its holes. Nor do many T-junctions, whose
+    // caps are thinner than anything that a proxy keeps.
     components.retain(|_, faces| {
-        let holes = 2 - euler(surface, faces, &corners);
+        let caps = faces.iter().filter(|&&f| surface.is_cap(f)).count() as i64;
+        let holes = 2 - euler(surface, faces, &corners) + caps;
         holes * FACES_A_HOLE <= size.coarse as i64
     });
     if components.is_empty() {
