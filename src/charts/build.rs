@@ -27,11 +27,14 @@ const STEPS: usize = 4;
 pub struct ChartOptions {
     /// Largest area-weighted mean symmetric Dirichlet energy of a chart, minus 1.
     pub distortion_bound: f64,
+    /// Whether a border may come twice to a vertex. Where a proxy stands for a finer surface it may not: that has an
+    /// edge there.
+    pub pinches: bool,
 }
 
 impl From<&UnwrapOptions> for ChartOptions {
     fn from(options: &UnwrapOptions) -> Self {
-        Self { distortion_bound: options.distortion_bound }
+        Self { distortion_bound: options.distortion_bound, pinches: true }
     }
 }
 
@@ -72,7 +75,7 @@ pub fn build_jointly(
             faces[p as usize].push(f as u32);
         }
     }
-    let limits = ChartLimits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::of(surface, options);
     let visibility = visibility(surface, run)?;
     let seen = visibility.as_deref();
     let all = surface.face_count();
@@ -103,7 +106,7 @@ pub fn split_chart(
 ) -> Result<Vec<Chart>, Canceled> {
     let mesh = PartMesh::new(surface, chart.faces.clone());
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
-    let limits = ChartLimits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::of(surface, options);
     let (seen, openness, steps) = (None, None, None);
     let joiner = Joiner::once(&limits, run);
     let cutter = Cutter { surface, seen, openness, joiner, limits: &limits, run, steps };

@@ -174,7 +174,7 @@ fn whole<'a>(
     if !flatten::is_disk(&piece.disk) {
         return Ok(None);
     }
-    let fit = from_scratch(&piece.disk, limits.bound, limits.clearance, run)?;
+    let fit = from_scratch(&piece.disk, limits.bound, limits, run)?;
     Ok(fit.filter(|fit| fits_page(&extent(&fit.uv), piece.disk.area(), limits)).map(|fit| {
         let mut work = Patchwork::new(mesh, vec![0; mesh.len()], glued);
         work.place(0, &piece, &fit);

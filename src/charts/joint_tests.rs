@@ -16,7 +16,7 @@ use crate::mesh::Surface;
 #[test]
 fn an_over_cut_box_is_laid_out_along_a_tree_of_its_edges() {
     let s = solid_box(3.0, 2.0, 1.0);
-    let options = ChartOptions { distortion_bound: 0.01 };
+    let options = ChartOptions { distortion_bound: 0.01, pinches: true };
     let parts = over_cut(&s, &vec![0; s.face_count()], &options, 100, &Run::quiet()).unwrap();
     let [part] = &parts[..] else { panic!("{} parts", parts.len()) };
     assert_eq!((part.seams.len(), part.disk.positions.len()), (12, 24), "six faces, twelve edges");
@@ -74,7 +74,7 @@ fn a_box_is_joined_where_a_soft_map_has_closed_it() {
 #[test]
 fn what_a_soft_map_leaves_open_is_followed_where_it_is_better() {
     let (s, part_of) = rough();
-    let options = ChartOptions { distortion_bound: 0.01 };
+    let options = ChartOptions { distortion_bound: 0.01, pinches: true };
     let baseline = build(&s, &part_of, &options, &Run::quiet()).unwrap();
     let mut followed = [0, 0];
     for seed in 0..16 {

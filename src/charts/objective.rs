@@ -50,7 +50,7 @@ mod tests {
     fn a_box_costs_its_open_edges_and_its_charts() {
         let surface = solid_box(1.0, 1.0, 1.0);
         let parts = vec![0; surface.face_count()];
-        let options = ChartOptions { distortion_bound: 0.01 };
+        let options = ChartOptions { distortion_bound: 0.01, pinches: true };
         let charts = build(&surface, &parts, &options, &Run::quiet()).unwrap();
         let cost = |energy| {
             let charts: Vec<_> = charts.iter().map(|chart| (chart, energy)).collect();

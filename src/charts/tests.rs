@@ -21,7 +21,7 @@ use crate::mesh::{NONE, Surface};
 /// Cut everything as one part, and check what every cut must keep.
 fn cut(surface: &Surface, bound: f64) -> Vec<Chart> {
     let part_of = vec![0; surface.face_count()];
-    let options = ChartOptions { distortion_bound: bound };
+    let options = ChartOptions { distortion_bound: bound, pinches: true };
     let charts = build(surface, &part_of, &options, &Run::quiet()).unwrap();
     let mut faces: Vec<u32> = charts.iter().flat_map(|c| c.faces.clone()).collect();
     faces.sort_unstable();

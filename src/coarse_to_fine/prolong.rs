@@ -148,7 +148,7 @@ impl Refiner<'_> {
 
     /// The classical start, relaxed or as it is, where it is proved, polished.
     fn classical(&self, unmapped: &Unmapped) -> Result<Option<(UvMap, StartKind)>, Canceled> {
-        let (start, kind) = flatten::start_map(&unmapped.disk);
+        let (start, kind) = flatten::start_map(&unmapped.disk, None);
         let relaxed =
             flatten::relax(&unmapped.disk, start.clone(), unmapped.sweeps, &self.run.cancel)?;
         let sound = [relaxed, start].into_iter().find(|uv| self.is_sound(unmapped, uv));

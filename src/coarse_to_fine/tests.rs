@@ -53,7 +53,7 @@ fn tube(noise: f64) -> Surface {
 
 /// The charts of a surface by way of its proxy: of all its faces, each once, each proved.
 fn carried(fine: &Surface) -> (Vec<Chart>, Vec<Chart>) {
-    let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01 });
+    let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01, pinches: true });
     let proxy = proxy(fine, SIZE, &run).unwrap().unwrap();
     let one = vec![0; proxy.surface.face_count()];
     let labels = labels(fine, &proxy, &one);
@@ -109,7 +109,7 @@ fn what_is_not_dense_stays_as_it_was_cut() {
     let plate: Vec<[u32; 3]> = plate.triangles.iter().map(|t| t.map(|v| v + base)).collect();
     let faces = [torus.triangles, plate].concat();
     let fine = conditioned(&Scene::from_triangles(positions, faces));
-    let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01 });
+    let (run, options) = (Run::quiet(), ChartOptions { distortion_bound: 0.01, pinches: true });
     let proxy = proxy(&fine, SIZE, &run).unwrap().unwrap();
     // The halves end in a zigzag that no cut would leave.
     let ends = |f: u32| match fine.origins[f as usize].face {

@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn a_barrel_is_continued_with_little_distortion() {
         let disk = samples::barrel(24, 24);
-        let whole = crate::flatten::start_map(&disk).0;
+        let whole = crate::flatten::start_map(&disk, None).0;
         let whole = crate::flatten::slim(&disk, &whole, &Default::default(), &Default::default());
         let whole = whole.unwrap();
         let low = whole.iter().map(|p| p.x).fold(f64::MAX, f64::min);

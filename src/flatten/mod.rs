@@ -15,6 +15,7 @@ mod jacobian;
 mod lscm;
 mod model;
 mod overlap;
+mod pinches;
 mod planar;
 mod rectangle;
 mod relax;
@@ -50,6 +51,7 @@ pub use jacobian::{
 };
 pub use lscm::lscm;
 pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};
+pub use pinches::parted;
 pub use planar::planar;
 pub use rectangle::smallest_rectangle;
 pub use relax::relax;

@@ -362,7 +362,7 @@ mod tests {
                 let k = (7.0 * y).round() as usize * 8 + (7.0 * x).round() as usize;
                 DVec3::new(x, y * 10f64.powf(squeeze), seed[k] * 10f64.powf(squeeze))
             });
-            let (start, _) = start_map(&disk);
+            let (start, _) = start_map(&disk, None);
             let slim = run(&disk, &start, 30);
             prop_assert!(slim.energies.windows(2).all(|e| e[1] < e[0]));
             prop_assert_eq!(count_flips(&disk, &slim.uv), 0);

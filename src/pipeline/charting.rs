@@ -40,7 +40,7 @@ pub fn cut(
     run: &Run,
 ) -> Result<Cut, Cause> {
     run.stage(Stage::Charts)?;
-    let how = ChartOptions::from(options);
+    let how = ChartOptions { pinches: solvers.proxy.is_none(), ..options.into() };
     let segmented = solvers.segmented();
     let regions = regions::divide(found, &segmented, options.atlas)
         .joined(found, &soft_borders(found, &segmented));

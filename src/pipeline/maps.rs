@@ -175,7 +175,7 @@ fn polish(
     if prolonged {
         // The classical start is the third way.
         (gain.prolonged, gain.prolonged_polish) = own;
-        let classical = flatten::rescale(disk, flatten::start_map(disk).0);
+        let classical = flatten::rescale(disk, flatten::start_map(disk, Some(clearance)).0);
         let polished = descend(disk, &classical, run)?;
         (gain.start, gain.start_polish) = (Some(energy(&classical)), Some(energy(&polished)));
         ways.push((energy(&polished) + MARGIN, ChartForm::Start, polished));

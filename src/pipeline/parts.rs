@@ -72,7 +72,7 @@ impl Solvers {
     ) -> Result<Vec<Chart>, Canceled> {
         let Some(proxy) = &self.proxy else { return Ok(charts) };
         let parts = [&found.parts.labels[..], &self.part_of];
-        let how = ChartOptions::from(options);
+        let how = ChartOptions { pinches: false, ..options.into() };
         coarse_to_fine::charts(&found.surface, proxy, charts, parts, &how, run)
     }
 }

@@ -66,7 +66,7 @@ pub fn over_cut(
         .filter(|&h| mesh.twin[h] != NONE && differs(h, mesh.twin[h]))
         .collect();
     ends.into_iter().for_each(|h| mesh.twin[h] = NONE);
-    let limits = ChartLimits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::of(surface, options);
     let found: Result<Vec<Option<OverCutPart>>, Canceled> = pieces(&mesh)
         .into_par_iter()
         .filter(|faces| faces.len() <= 2 * most)

@@ -112,7 +112,7 @@ impl Proposal {
         let piece = work.mesh.cut_open_where(faces, glued);
         let joined = lay_out(work, &piece, b, self.motion);
         let allowed = self.allowed / piece.disk.area();
-        let fit = refine(&piece.disk, joined, allowed, limits.clearance, run)?;
+        let fit = refine(&piece.disk, joined, allowed, limits, run)?;
         Ok(fit.map(|fit| Union { path, piece, fit }))
     }
 }

@@ -3,6 +3,7 @@
 
 use glam::DMat2;
 
+use super::ChartLimits;
 use crate::charts::chart::StartKind;
 use crate::contract::{Canceled, Run};
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
@@ -38,7 +39,7 @@ pub fn refine(
     disk: &Disk,
     joined: Joined,
     bound: f64,
-    clearance: f64,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
     let energy = |uv: &UvMap| {
@@ -57,12 +58,16 @@ pub fn refine(
         }
     }
     if least.is_infinite() {
-        return from_scratch(disk, bound, clearance, run);
+        return from_scratch(disk, bound, limits, run);
     }
-    if !flatten::has_simple_boundary(&Border::of(disk), &warm) {
+    let border = Border::of(disk);
+    if let Some(parted) = parted(disk, &border, &warm, limits) {
+        warm = parted;
+    }
+    if !flatten::has_simple_boundary(&border, &warm) {
         return Ok(None);
     }
-    descend(disk, (warm, StartKind::Weld), bound, clearance, run)
+    descend(disk, (warm, StartKind::Weld), bound, limits, run)
 }
 
 /// The best start map, improved until it is within the bound and proved injective; `None` where that
@@ -70,11 +75,11 @@ pub fn refine(
 pub fn from_scratch(
     disk: &Disk,
     bound: f64,
-    clearance: f64,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let (start, kind) = flatten::start_map(disk);
-    descend(disk, (start, kind.into()), bound, clearance, run)
+    let (start, kind) = flatten::start_map(disk, limits.pinches.then_some(limits.clearance));
+    descend(disk, (start, kind.into()), bound, limits, run)
 }
 
 /// Whether a map is proved injective and its border keeps clear of itself.
@@ -88,11 +93,16 @@ pub fn is_sound_within(border: &Border, disk: &Disk, uv: &UvMap, clearance: f64)
         && flatten::is_clear(border, uv, clearance)
 }
 
+/// A map with its pinched corners parted, where it has any and may.
+fn parted(disk: &Disk, border: &Border, uv: &UvMap, limits: &ChartLimits) -> Option<UvMap> {
+    limits.pinches.then(|| flatten::parted(disk, border, uv, limits.clearance)).flatten()
+}
+
 fn descend(
     disk: &Disk,
     (mut uv, kind): (UvMap, StartKind),
     bound: f64,
-    clearance: f64,
+    limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
     let mut quality = flatten::quality(disk, &uv);
@@ -106,7 +116,18 @@ fn descend(
         uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
         quality = flatten::quality(disk, &uv);
     }
-    let energy = quality.mean - 1.0;
-    let fits = energy <= bound && quality.flips == 0 && is_sound(disk, &uv, clearance);
-    Ok(fits.then_some(Fit { uv, energy, kind }))
+    if quality.mean - 1.0 > bound || quality.flips > 0 {
+        return Ok(None);
+    }
+    let border = Border::of(disk);
+    if !is_sound_within(&border, disk, &uv, limits.clearance) {
+        let Some(parted) = parted(disk, &border, &uv, limits) else { return Ok(None) };
+        uv = parted;
+        quality = flatten::quality(disk, &uv);
+        let sound = quality.flips == 0 && is_sound_within(&border, disk, &uv, limits.clearance);
+        if !sound || quality.mean - 1.0 > bound {
+            return Ok(None);
+        }
+    }
+    Ok(Some(Fit { uv, energy: quality.mean - 1.0, kind }))
 }

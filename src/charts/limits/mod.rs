@@ -5,6 +5,7 @@ pub mod extent;
 pub mod fit;
 pub mod visibility;
 
+use crate::charts::build::ChartOptions;
 use crate::mesh::Surface;
 
 /// λ of the objective, as a share of the distortion bound.
@@ -46,9 +47,16 @@ pub struct ChartLimits {
     pub waste: f64,
     /// Distance that a border keeps from itself.
     pub clearance: f64,
+    /// Whether a border may come twice to a vertex.
+    pub pinches: bool,
 }
 
 impl ChartLimits {
+    /// For charts that are cut like that.
+    pub fn of(surface: &Surface, options: &ChartOptions) -> Self {
+        Self { pinches: options.pinches, ..Self::new(surface, options.distortion_bound) }
+    }
+
     /// For charts of a surface.
     pub fn new(surface: &Surface, bound: f64) -> Self {
         let size = surface.area().sqrt();
@@ -60,6 +68,7 @@ impl ChartLimits {
             length: LENGTH * size,
             waste: WASTE,
             clearance: clearance(surface),
+            pinches: true,
         }
     }
 }

@@ -21,7 +21,7 @@ pub fn initial_patches(
     options: &ChartOptions,
     run: &Run,
 ) -> Result<Vec<u32>, Canceled> {
-    let limits = ChartLimits::new(surface, options.distortion_bound);
+    let limits = ChartLimits::of(surface, options);
     let visibility = visibility(surface, run)?;
     let part = |f: u32| part_of[f as usize];
     let mut faces: Vec<u32> = (0..part_of.len() as u32).filter(|&f| part(f) != NONE).collect();

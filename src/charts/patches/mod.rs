@@ -128,5 +128,5 @@ fn fit_patch(piece: &Piece, limits: &ChartLimits, run: &Run) -> Result<Option<Fi
             kind: StartKind::Planar,
         }));
     }
-    from_scratch(&piece.disk, limits.bound, limits.clearance, run)
+    from_scratch(&piece.disk, limits.bound, limits, run)
 }

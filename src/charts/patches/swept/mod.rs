@@ -199,7 +199,7 @@ impl Strip<'_, '_> {
             if !flatten::is_disk(&piece.disk) {
                 return Ok(None);
             }
-            let fit = from_scratch(&piece.disk, limits.bound, limits.clearance, run)?;
+            let fit = from_scratch(&piece.disk, limits.bound, limits, run)?;
             let Some(fit) = fit else { return Ok(None) };
             let own = |f: u32| piece.faces.binary_search(&f).is_ok();
             let within = |h: &u32| {

@@ -20,6 +20,8 @@ pub struct Net<'a> {
     pub border: Border,
     /// Half-edges of the part that leave each vertex and are no border.
     out: Vec<Vec<u32>>,
+    /// How many half-edges lead nowhere.
+    open: usize,
     /// One of the part's corners that are each vertex, by the half-edge that leaves there.
     pub corner: Vec<u32>,
 }
@@ -34,22 +36,27 @@ impl<'a> Net<'a> {
         let piece = mesh.cut_open_where(faces, inner);
         let mut out = vec![Vec::new(); piece.disk.positions.len()];
         let mut corner = vec![NONE; out.len()];
+        let mut open = 0;
         for (&f, triangle) in piece.faces.iter().zip(&piece.disk.triangles) {
             for (h, &v) in (3 * f..).zip(triangle) {
                 corner[v as usize] = h;
                 if inner(h) && piece.faces.binary_search(&(mesh.twin[h as usize] / 3)).is_ok() {
                     out[v as usize].push(h);
+                } else {
+                    open += 1;
                 }
             }
         }
         let border = Border::of(&piece.disk);
-        Self { mesh, piece, border, out, corner }
+        Self { mesh, piece, border, out, open, corner }
     }
 
-    /// Whether it is connected and manifold and has as many borders and such a Euler characteristic.
+    /// Whether it is connected and manifold and has as many borders and such a Euler characteristic. Where an
+    /// edge is open and both of its ends are closed about it, as where twins were parted, it is none of that.
     pub fn is(&self, borders: usize, euler: i64) -> bool {
         let Border { loops, manifold, pieces, .. } = &self.border;
-        *manifold && *pieces == 1 && loops.len() == borders && self.border.euler == euler
+        let slit = self.open != loops.iter().map(Vec::len).sum::<usize>();
+        *manifold && !slit && *pieces == 1 && loops.len() == borders && self.border.euler == euler
     }
 
     /// The vertex from which a half-edge of the part leaves; `None` where its face is not one of the net's.

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::charts::scenes;
-use crate::mesh::Surface;
+use crate::mesh::{NONE, Surface};
 
 /// Sections of a tube of a radius about the points of a curve, closed to a ring or open at both ends.
 fn tube(centers: &[DVec3], radius: f64, sides: u32, ring: bool) -> Surface {
@@ -85,6 +85,14 @@ fn a_thick_ring_is_cut_along_two_lines() {
     let pieces = (TAU / limits.length).ceil() as usize;
     assert_eq!(strips.len(), 2 * pieces);
     assert!(strips.iter().all(|s| s.cut.is_empty()), "the line inside the bend is closed");
+}
+
+#[test]
+fn a_ring_with_an_open_edge_whose_ends_are_closed_is_no_ring() {
+    let mut torn = ring(0.1);
+    let t = torn.twin[0] as usize;
+    (torn.twin[0], torn.twin[t]) = (NONE, NONE);
+    assert!(strips(&torn).0.is_empty());
 }
 
 #[test]
