@@ -11,6 +11,9 @@ use super::{Border, Disk, UvMap};
 /// How far a corner is drawn in, over the distance that a border keeps from itself.
 const DRAWN: f64 = 2.0;
 
+/// Corners in one place beyond which nothing is parted: no shape has such vertices, and pairs grow with the square.
+const MOST: usize = 64;
+
 /// The map with its pinched corners drawn in; `None` where there is no pinch. Flips and crossings are the caller's to
 /// look for.
 pub fn parted(disk: &Disk, border: &Border, uv: &UvMap, clearance: f64) -> Option<UvMap> {
@@ -45,7 +48,7 @@ fn pinched(disk: &Disk, border: &Border, uv: &UvMap, clearance: f64) -> Vec<u32>
     }
     let near = |v: u32, w: u32| v != w && uv[v as usize].distance(uv[w as usize]) < clearance;
     let has_other = |group: &[u32], v: u32| group.iter().any(|&w| near(v, w));
-    let groups = at.into_values().filter(|group| group.len() > 1);
+    let groups = at.into_values().filter(|group| (2..=MOST).contains(&group.len()));
     groups
         .flat_map(|group| group.clone().into_iter().filter(move |&v| has_other(&group, v)))
         .collect()

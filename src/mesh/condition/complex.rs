@@ -34,63 +34,79 @@ impl Complex {
         diagonal: f64,
         directed: bool,
     ) -> Self {
+        let mut faces = Faces::of(places, directed);
+        let mut groups = groups.unwrap_or_else(|| EdgeGroups::new(&faces.triangles));
+        let twice: Vec<bool> = places.iter().map(|i| i.len() > 1).collect();
+        let walls = Walls::find(&groups, &twice);
+        if !walls.faces.is_empty() {
+            faces.add(&walls.faces);
+            groups = EdgeGroups::new(&faces.triangles);
+        }
+        let Junctions { caps, closes: closed, raised } =
+            Junctions::find(&faces.wings(&positions), &groups, diagonal);
+        let mut closes = Vec::new();
+        if !caps.is_empty() {
+            closes = vec![NONE; faces.triangles.len()];
+            closes.extend(&closed);
+            // All that a cap has is its face's, but for its vertices.
+            faces.add(&closed);
+            faces.triangles.truncate(closes.len() - closed.len());
+            faces.triangles.extend(caps.into_iter().map(|cap| least_first(cap, directed)));
+            groups = EdgeGroups::new(&faces.triangles);
+            raised.into_iter().for_each(|(v, p)| positions[v as usize] = p);
+        }
+        let twin = pair(&faces.wings(&positions), &groups, &walls);
+        let Faces { triangles, places, .. } = faces;
+        Self { positions, triangles, places, closes, walls, twin }
+    }
+}
+
+/// What is known of each face before it is paired.
+struct Faces {
+    triangles: Vec<[u32; 3]>,
+    class: Vec<Class>,
+    places: Vec<u32>,
+    /// Whether the file winds it through its vertices in ascending order.
+    ascending: Vec<bool>,
+    directed: bool,
+}
+
+impl Faces {
+    /// One a place.
+    fn of(places: &Places, directed: bool) -> Self {
         let triangle = |i: &Instance| match (i.vertices, i.ascending || !directed) {
             (abc, true) => abc,
             ([a, b, c], false) => [a, c, b],
         };
-        let mut triangles: Vec<[u32; 3]> = places.iter().map(|i| triangle(&i[0])).collect();
-        let mut class: Vec<Class> = places.iter().map(|i| i[0].class).collect();
-        let mut groups = groups.unwrap_or_else(|| EdgeGroups::new(&triangles));
-        let twice: Vec<bool> = places.iter().map(|i| i.len() > 1).collect();
-        let walls = Walls::find(&groups, &twice);
-        if !walls.faces.is_empty() {
-            add(&mut triangles, &walls.faces);
-            add(&mut class, &walls.faces);
-            groups = EdgeGroups::new(&triangles);
+        Self {
+            triangles: places.iter().map(|i| triangle(&i[0])).collect(),
+            class: places.iter().map(|i| i[0].class).collect(),
+            places: (0..places.len() as u32).collect(),
+            ascending: places.iter().map(|i| directed || i[0].ascending).collect(),
+            directed,
         }
-        let mut place_of = walls.places(places.len());
-        let ascending = |place: &u32| directed || places.instances(*place as usize)[0].ascending;
-        let mut winds_up: Vec<bool> = place_of.iter().map(ascending).collect();
-        let Junctions { caps, closes: closed, raised } = Junctions::find(
-            &Wings {
-                positions: &positions,
-                triangles: &triangles,
-                class: &class,
-                ascending: &winds_up,
-                directed,
-            },
-            &groups,
-            diagonal,
-        );
-        let mut closes = Vec::new();
-        if !caps.is_empty() {
-            closes = vec![NONE; triangles.len()];
-            closes.extend(&closed);
-            triangles.extend(caps.into_iter().map(|cap| least_first(cap, directed)));
-            add(&mut class, &closed);
-            add(&mut place_of, &closed);
-            add(&mut winds_up, &closed);
-            groups = EdgeGroups::new(&triangles);
-            raised.into_iter().for_each(|(v, p)| positions[v as usize] = p);
-        }
-        let twin = pair(
-            &Wings {
-                positions: &positions,
-                triangles: &triangles,
-                class: &class,
-                ascending: &winds_up,
-                directed,
-            },
-            &groups,
-            &walls,
-        );
-        Self { positions, triangles, places: place_of, closes, walls, twin }
     }
-}
 
-/// Add what these have to a list.
-fn add<T: Copy>(list: &mut Vec<T>, of: &[u32]) {
-    list.extend(of.iter().map(|&f| list[f as usize]).collect::<Vec<_>>());
+    /// Add the same as these once more.
+    fn add(&mut self, faces: &[u32]) {
+        for &f in faces {
+            let f = f as usize;
+            self.triangles.push(self.triangles[f]);
+            self.class.push(self.class[f]);
+            self.places.push(self.places[f]);
+            self.ascending.push(self.ascending[f]);
+        }
+    }
+
+    fn wings<'a>(&'a self, positions: &'a [DVec3]) -> Wings<'a> {
+        Wings {
+            positions,
+            triangles: &self.triangles,
+            class: &self.class,
+            ascending: &self.ascending,
+            directed: self.directed,
+        }
+    }
 }
 
 /// A triple with its least vertex first, and, unless windings count, in ascending order.

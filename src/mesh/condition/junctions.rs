@@ -188,10 +188,10 @@ impl<'a> Lines<'a> {
         let [a, b] = open.ends;
         let (mut on_it, whole) = self.follow(open, a, b);
         if !whole {
-            let (mut back, _) = self.follow(open, b, a);
-            back.retain(|v| !on_it.contains(v));
-            on_it.extend(back.into_iter().rev());
-            on_it.sort_by(|&v, &w| self.at(open, v).total_cmp(&self.at(open, w)));
+            on_it.extend(self.follow(open, b, a).0);
+            let at = |v: u32| self.at(open, v);
+            on_it.sort_by(|&v, &w| at(v).total_cmp(&at(w)).then(v.cmp(&w)));
+            on_it.dedup();
         }
         on_it
     }

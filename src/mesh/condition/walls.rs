@@ -57,11 +57,6 @@ impl Walls {
         Self { faces: (0..before).filter(is_wall).collect(), before }
     }
 
-    /// The place of each face, second sides included.
-    pub fn places(&self, count: usize) -> Vec<u32> {
-        (0..count as u32).chain(self.faces.iter().copied()).collect()
-    }
-
     /// The second side of a wall's face, or [`NONE`].
     pub fn second(&self, face: u32) -> u32 {
         self.faces.binary_search(&face).map_or(NONE, |i| self.before + i as u32)
