@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::search::Piece;
+use super::piece::Piece;
 use crate::device::Seeded;
 use crate::flatten::smallest_rectangle;
 

@@ -57,6 +57,8 @@ pub(super) struct Mask {
     pub origin: DVec2,
     /// Cells of the longest span of each row.
     pub longest: Vec<u32>,
+    /// The least of these.
+    pub least: u32,
     /// Rows from coarse to fine, so that a collision is met early.
     pub order: Vec<u32>,
     /// Half-open spans of columns; those of row r are `spans[starts[r]..starts[r + 1]]`.
@@ -107,6 +109,7 @@ impl Mask {
             mask.longest.push(mask.spans[start..].iter().map(|s| s[1] - s[0]).max().unwrap_or(0));
             mask.starts.push(mask.spans.len());
         }
+        mask.least = mask.longest.iter().copied().min().unwrap_or(0);
         let mut step = height.next_power_of_two();
         mask.order.push(0);
         while step > 1 {

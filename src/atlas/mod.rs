@@ -4,11 +4,13 @@
 
 mod arrangement;
 mod certificate;
+mod effort;
 mod gutter;
 mod mask;
 mod options;
 mod pack;
 mod page;
+mod piece;
 mod placement;
 mod quantise;
 mod raster;

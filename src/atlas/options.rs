@@ -1,7 +1,7 @@
 //! What packing is told.
 
 use super::quantise::Grid;
-use crate::contract::{Rotation, UnwrapOptions};
+use crate::contract::{Quality, Rotation, UnwrapOptions};
 
 /// How to pack.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,8 @@ pub struct PackOptions {
     pub rotation: Rotation,
     /// Whether no block of 4 × 4 texels may be touched by two charts.
     pub block_align: bool,
+    /// How long to search.
+    pub quality: Quality,
     /// Most pages; more are used only where the charts fit on so many at no density.
     pub pages: u32,
     /// The lattice that coordinates are put on afterwards.
@@ -29,6 +31,7 @@ impl From<&UnwrapOptions> for PackOptions {
             padding: options.padding,
             rotation: options.rotation,
             block_align: options.block_align,
+            quality: options.quality,
             pages: options.pages,
             grid: if options.udim { Grid::Tiles } else { Grid::Page },
             weights: Vec::new(),

@@ -4,12 +4,14 @@
 use glam::DVec2;
 
 use super::arrangement::free_turns;
+use super::effort::Effort;
 use super::mask::Outline;
 use super::options::PackOptions;
 use super::page::CELLS;
+use super::piece::Piece;
 use super::placement::Placement;
 use super::quantise::REACH;
-use super::search::{Piece, Sheet, Spot, search};
+use super::search::{Sheet, Spot, search};
 use crate::contract::{Canceled, Rotation, Run};
 use crate::flatten::{Disk, UvMap};
 
@@ -98,7 +100,7 @@ pub fn pack(
             0.5 * f64::from(options.padding) / f64::from(page_size) + REACH * options.grid.step();
         let (side, cell) = cells(options, finest);
         let sheet = Sheet { pages, side, grow: half / cell, quarters };
-        if let Some(layout) = search(&pieces, &sheet, run)? {
+        if let Some(layout) = search(&pieces, &sheet, Effort::of(options.quality), run)? {
             break (layout, cell);
         }
         (pages, finest) = (2 * pages, COARSE);
@@ -147,6 +149,7 @@ mod tests {
     use super::*;
     use crate::atlas::Grid;
     use crate::atlas::{gutters, rasterise};
+    use crate::contract::Quality;
     use crate::flatten::{Border, quality, samples};
     use rand::{RngExt, SeedableRng};
 
@@ -156,6 +159,7 @@ mod tests {
             padding,
             rotation: Rotation::Free,
             block_align: false,
+            quality: Quality::Balanced,
             pages: 1,
             grid: Grid::Page,
             weights: Vec::new(),

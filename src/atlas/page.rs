@@ -7,70 +7,95 @@ use super::mask::Mask;
 /// Cells across a page, at most.
 pub(super) const CELLS: u32 = 1024;
 
+/// Words of the widest row.
 const WORDS: usize = CELLS as usize / 64;
-
-/// One bit a column.
-type Row = [u64; WORDS];
-
-/// Lengths 1, 2, 4 … up to the page's width.
-const LEVELS: usize = CELLS.ilog2() as usize + 1;
 
 /// Cells that are taken.
 pub(super) struct Page {
     side: u32,
-    /// For each row and level k the columns from which 2ᵏ cells are not all free.
-    rows: Vec<[Row; LEVELS]>,
+    /// Words of a row, one bit a column.
+    words: usize,
+    /// Lengths 1, 2, 4 … up to the page's width.
+    levels: usize,
+    /// For each row and level k the columns from which 2ᵏ cells are not all free …
+    rows: Vec<u64>,
+    /// … up to this level; those above have yet to be made.
+    made: Vec<u8>,
     /// Longest free run of each row.
     free: Vec<u32>,
+    /// Rows from here on are empty.
+    used: u32,
 }
 
 impl Page {
     /// An empty square page of `side` cells, at most [`CELLS`].
     pub fn new(side: u32) -> Self {
         let side = side.min(CELLS);
-        let mut row = [[0; WORDS]; LEVELS];
-        fill(&mut row[0], side, CELLS);
-        smear(&mut row);
-        Self { side, rows: vec![row; side as usize], free: vec![side; side as usize] }
+        let (words, levels) = shape(side);
+        let rows = empty(side).repeat(side as usize);
+        let made = vec![levels as u8 - 1; side as usize];
+        Self { side, words, levels, rows, made, free: vec![side; side as usize], used: 0 }
+    }
+
+    /// Empty it again.
+    pub fn clear(&mut self) {
+        let used = self.used as usize;
+        let row = empty(self.side);
+        self.rows.chunks_exact_mut(row.len()).take(used).for_each(|r| r.copy_from_slice(&row));
+        self.free[..used].fill(self.side);
+        self.made[..used].fill(self.levels as u8 - 1);
+        self.used = 0;
     }
 
     /// Bytes of a page of so many cells across.
     pub fn bytes(side: u32) -> u64 {
-        u64::from(side.min(CELLS)) * (size_of::<[Row; LEVELS]>() + size_of::<u32>()) as u64
+        let (words, levels) = shape(side.min(CELLS));
+        u64::from(side.min(CELLS)) * (words * levels * size_of::<u64>() + size_of::<u32>()) as u64
     }
 
     /// The lowest, then leftmost, cell on which the mask's lower left cell can be put, not below
-    /// row `from` and so that the mask ends below row `end`. `work` counts the rows looked at.
-    pub fn find(&self, mask: &Mask, from: u32, end: u32, work: &mut u64) -> Option<(u32, u32)> {
+    /// row `from` and so that the mask ends below row `end`. `work` counts the words looked at.
+    pub fn find(&mut self, mask: &Mask, from: u32, end: u32, work: &mut u64) -> Option<(u32, u32)> {
         if mask.width > self.side {
             return None;
         }
         let mut hint = 0;
         let mut y = from;
-        while y + mask.height <= end.min(self.side) {
+        // Rows below this one are wide enough for every row of the mask.
+        let mut wide = y;
+        let top = end.min(self.side);
+        while y + mask.height <= top {
             *work += 1;
-            let narrow = |r: &usize| self.free[y as usize + r] < mask.longest[*r];
-            if narrow(&hint) {
-                y += 1;
-                continue;
+            while wide < top.min(y + mask.height) {
+                if self.free[wide as usize] < mask.least {
+                    y = wide + 1;
+                }
+                wide += 1;
             }
-            if let Some(row) = (0..mask.height as usize).find(narrow) {
-                hint = row;
+            if y + mask.height > top {
+                break;
+            }
+            if self.free[y as usize + hint] < mask.longest[hint] {
                 y += 1;
                 continue;
             }
             let mut fits = [!0; WORDS];
+            let words = self.words;
+            let fits = &mut fits[..words];
             let rows = std::iter::once(hint as u32).chain(mask.order.iter().copied());
             for r in rows {
-                let row = &self.rows[(y + r) as usize];
-                for &[first, last] in mask.row(r) {
+                let spans = mask.row(r);
+                let Some(highest) = spans.iter().map(|s| s[1] - s[0]).max() else { continue };
+                let row = self.row(y + r, highest.ilog2() as usize);
+                for &[first, last] in spans {
                     // Two spans of the next lower level cover any length.
-                    *work += 2;
+                    *work += 2 * words as u64;
                     let level = (last - first).ilog2();
-                    remove(&mut fits, &row[level as usize], first);
-                    remove(&mut fits, &row[level as usize], last - (1 << level));
+                    let row = &row[level as usize * words..][..words];
+                    remove(fits, row, first);
+                    remove(fits, row, last - (1 << level));
                 }
-                if fits == [0; WORDS] {
+                if fits.iter().all(|&word| word == 0) {
                     hint = r as usize;
                     break;
                 }
@@ -85,19 +110,49 @@ impl Page {
 
     /// Take the cells of a mask whose lower left cell is at (x, y).
     pub fn insert(&mut self, mask: &Mask, x: u32, y: u32) {
+        let words = self.words;
+        let stride = words * self.levels;
         for r in 0..mask.height {
-            let row = &mut self.rows[(y + r) as usize];
+            let at = (y + r) as usize;
+            let row = &mut self.rows[at * stride..(at + 1) * stride];
             for &[first, end] in mask.row(r) {
-                fill(&mut row[0], x + first, x + end);
+                fill(&mut row[..words], x + first, x + end);
             }
-            smear(row);
-            self.free[(y + r) as usize] = longest_free(&row[0]);
+            self.made[at] = 0;
+            self.free[at] = longest_free(&row[..words]);
         }
+        self.used = self.used.max(y + mask.height);
+    }
+
+    /// The levels of a row up to `level`.
+    fn row(&mut self, row: u32, level: usize) -> &[u64] {
+        let (row, stride) = (row as usize, self.words * self.levels);
+        let made = self.made[row] as usize;
+        let levels = &mut self.rows[row * stride..][..stride];
+        if made < level {
+            smear(&mut levels[made * self.words..(level + 1) * self.words], self.words, made);
+            self.made[row] = level as u8;
+        }
+        levels
     }
 }
 
+/// Words and levels of a row of so many cells.
+fn shape(side: u32) -> (usize, usize) {
+    (side.div_ceil(64) as usize, side.ilog2() as usize + 1)
+}
+
+/// All levels of a row that is free.
+fn empty(side: u32) -> Vec<u64> {
+    let (words, levels) = shape(side);
+    let mut row = vec![0; words * levels];
+    fill(&mut row[..words], side, 64 * words as u32);
+    smear(&mut row, words, 0);
+    row
+}
+
 /// Set the bits of columns `from..to`.
-fn fill(row: &mut Row, from: u32, to: u32) {
+fn fill(row: &mut [u64], from: u32, to: u32) {
     for (k, word) in row.iter_mut().enumerate() {
         let start = from.saturating_sub(64 * k as u32).min(64);
         let end = to.saturating_sub(64 * k as u32).min(64);
@@ -108,9 +163,9 @@ fn fill(row: &mut Row, from: u32, to: u32) {
 
 /// Take out of `fits` the columns from which the row is taken `by` columns further right; beyond the
 /// page everything is taken.
-fn remove(fits: &mut Row, row: &Row, by: u32) {
+fn remove(fits: &mut [u64], row: &[u64], by: u32) {
     let (words, bits) = ((by / 64) as usize, by % 64);
-    let (seen, beyond) = fits.split_at_mut(WORDS - words);
+    let (seen, beyond) = fits.split_at_mut(row.len() - words);
     beyond.fill(0);
     let row = &row[words..];
     let next = row[1..].iter().chain(&[!0]);
@@ -120,17 +175,19 @@ fn remove(fits: &mut Row, row: &Row, by: u32) {
     }
 }
 
-/// Each level from the one before it.
-fn smear(row: &mut [Row; LEVELS]) {
-    for k in 1..LEVELS {
-        let mut free = row[k - 1].map(|word| !word);
-        remove(&mut free, &row[k - 1], 1 << (k - 1));
-        row[k] = free.map(|word| !word);
+/// Levels of so many words each, from the first one, which is level `made`.
+fn smear(row: &mut [u64], words: usize, made: usize) {
+    for k in 0..row.len() / words - 1 {
+        let (below, level) = row[k * words..].split_at_mut(words);
+        let level = &mut level[..words];
+        level.iter_mut().zip(&*below).for_each(|(free, taken)| *free = !taken);
+        remove(level, below, 1 << (made + k));
+        level.iter_mut().for_each(|word| *word = !*word);
     }
 }
 
 /// Length of the longest run of free columns.
-fn longest_free(row: &Row) -> u32 {
+fn longest_free(row: &[u64]) -> u32 {
     let (mut longest, mut run) = (0, 0);
     for &word in row {
         if word == 0 {

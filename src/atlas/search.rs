@@ -1,69 +1,57 @@
 //! Packing as a search. An arrangement is placed chart by chart, each where its top comes lowest;
 //! what does not fit is left over. From the best arrangement so far, batches of changed ones are
-//! tried at a slightly higher density, and the one that leaves least over goes on. Nothing here
-//! looks at a clock: the search ends after so many rows of cells have been looked at, and a batch is
-//! compared in its own order, so that neither the machine nor its threads have a say.
+//! tried at a slightly higher density, and the one that leaves least over goes on. What an arrangement
+//! is worth shows on coarse pages, too, where a trial costs a tenth: it is found there and settled on
+//! the fine ones. Nothing here looks at a clock: the search ends after so many words of cells have been
+//! looked at, and a batch is compared in its own order, so that neither the machine nor its threads
+//! have a say.
 
 use std::collections::HashMap;
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use super::arrangement::{Arrangement, ORDERS};
-use super::mask::{Mask, Outline};
+use super::effort::Effort;
+use super::mask::Mask;
 use super::page::Page;
+use super::piece::Piece;
 use crate::contract::{Canceled, GaveUp, Run, Scarce, Stage};
 use crate::device::Seeded;
 
-/// Rows looked at after which nothing further is begun: about a second of one core.
-const WORK: u64 = 24_000_000;
+/// Cells across a square of a chart's share of the page from which on coarse pages tell enough …
+const CELLS_A_CHART: f64 = 60.0;
+
+/// … and across such a page, at least.
+const COARSEST: u32 = 192;
 
 /// Arrangements tried at once.
 const BATCH: u64 = 8;
 
-/// Relative steps by which the density is raised: at first, and no smaller than.
-const STEPS: [f64; 2] = [0.02, 0.002];
+/// Relative steps by which the density is raised: at first …
+const FIRST: f64 = 0.02;
+
+/// … at first where an arrangement was found on coarse pages …
+const FIRST_SETTLED: f64 = 0.005;
+
+/// … and no smaller than.
+const SMALLEST: f64 = 0.002;
+
+/// Densities over the one expected from coarse pages at which an arrangement is settled: the lowest …
+const LOWEST: f64 = 0.99;
+
+/// … and the steps from there, and from the highest that fits, four at once.
+const SETTLING: [f64; 2] = [0.0125, 0.0025];
 
 /// Batches without gain after which the step is halved.
 const PATIENCE: u32 = 6;
 
-/// Batches without gain at the smallest step after which the search ends.
-const END: u32 = 60;
-
-/// What it costs to draw a row of a mask, or to take it on a page, in rows looked at.
-const DRAWN: u64 = 8;
+/// What it costs to draw a row of a mask, or to take it on a page, in words looked at.
+const DRAWN: u64 = 128;
 
 /// Charts beyond the largest so many are placed as their boxes: their shapes would gain little.
 const SHAPES: usize = 256;
-
-/// A chart to be placed.
-#[derive(Debug, Clone)]
-pub(super) struct Piece {
-    /// Its border, in its own units.
-    pub outline: Outline,
-    /// Density relative to the other charts.
-    pub weight: f64,
-    /// Turns (unit vectors) that it may be laid down with, besides quarter turns; never empty.
-    pub turns: Vec<DVec2>,
-    /// Its area at weight 1; a needle counts as a thin box.
-    pub area: f64,
-}
-
-impl Piece {
-    /// A chart by its outline.
-    pub fn new(outline: Outline, weight: f64, turns: Vec<DVec2>) -> Self {
-        let mut piece = Self { area: outline.area(), outline, weight, turns };
-        piece.area = piece.area.max(1e-6 * (piece.extent() / weight).max_element().powi(2));
-        piece
-    }
-
-    /// Width and height of its box along its first turn, weighted.
-    pub fn extent(&self) -> DVec2 {
-        let [low, high] = self.outline.extent(self.turns[0]);
-        (high - low) * self.weight
-    }
-}
 
 /// The pages that are packed onto.
 #[derive(Debug, Clone, Copy)]
@@ -102,25 +90,40 @@ pub(super) struct Layout {
 pub(super) fn search(
     pieces: &[Piece],
     sheet: &Sheet,
+    [coarsely, finely]: [Effort; 2],
     run: &Run,
 ) -> Result<Option<Layout>, Canceled> {
-    let mut search = Search { pieces, sheet, run, rank: ranks(pieces), work: 0 };
-    let by_size = Arrangement::largest_first(pieces, 0);
-    let Some(mut best) = search.bracket(&by_size, None)? else { return Ok(None) };
-    if search.bytes() > run.budget.spare_bytes() {
-        run.give_up(Stage::Pack, GaveUp::Search, Scarce::Memory);
-        return Ok(Some(best));
-    }
-    let mut arrangement = by_size;
-    for which in 1..ORDERS {
-        let other = Arrangement::largest_first(pieces, which);
-        if search.goes_on()
-            && let Some(denser) = search.bracket(&other, Some(best.density))?
-        {
-            (best, arrangement) = (denser, other);
+    let mut fine = Search::new(pieces, *sheet, finely, run);
+    let affords = fine.bytes() <= run.budget.spare_bytes();
+    if affords && let Some(sheet) = sheet.coarser(pieces.len()) {
+        let mut coarse = Search::new(pieces, sheet, coarsely, run);
+        if let Some(start) = coarse.start()? {
+            let (arrangement, layout) = coarse.climb(start, FIRST)?;
+            let expected = layout.density * f64::from(fine.sheet.side) / f64::from(sheet.side);
+            if let Some(layout) = fine.settle(&arrangement, expected)? {
+                return Ok(Some(fine.climb((arrangement, layout), FIRST_SETTLED)?.1));
+            }
         }
     }
-    Ok(Some(search.climb(arrangement, best)?))
+    fine.effort = coarsely;
+    if !affords {
+        let by_size = Arrangement::largest_first(pieces, 0);
+        let layout = fine.bracket(&by_size, None)?;
+        run.give_up(Stage::Pack, GaveUp::Search, Scarce::Memory);
+        return Ok(layout);
+    }
+    let Some(start) = fine.start()? else { return Ok(None) };
+    Ok(Some(fine.climb(start, FIRST)?.1))
+}
+
+impl Sheet {
+    /// The same with fewer cells, where so many charts would still be wide enough.
+    fn coarser(&self, charts: usize) -> Option<Self> {
+        let share = (charts as f64 / f64::from(self.pages)).sqrt();
+        let side = ((CELLS_A_CHART * share) as u32).max(COARSEST).next_multiple_of(64);
+        let grow = self.grow * f64::from(side) / f64::from(self.side);
+        (side < self.side).then_some(Self { side, grow, ..*self })
+    }
 }
 
 /// Place of each chart in the order of sizes.
@@ -153,18 +156,43 @@ struct Scaled {
 
 struct Search<'a> {
     pieces: &'a [Piece],
-    sheet: &'a Sheet,
+    sheet: Sheet,
     run: &'a Run,
     /// Place of each chart by size.
     rank: Vec<usize>,
-    /// Rows looked at so far.
+    /// When it ends.
+    effort: Effort,
+    /// Words looked at so far.
     work: u64,
+    /// Pages that are not in use, by trial.
+    blank: Mutex<Vec<Vec<Page>>>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(pieces: &'a [Piece], sheet: Sheet, effort: Effort, run: &'a Run) -> Self {
+        let (rank, blank) = (ranks(pieces), Mutex::default());
+        Self { pieces, sheet, run, rank, effort, work: 0, blank }
+    }
+
+    /// The best of the arrangements by size, where one fits.
+    fn start(&mut self) -> Result<Option<(Arrangement, Layout)>, Canceled> {
+        let by_size = Arrangement::largest_first(self.pieces, 0);
+        let Some(layout) = self.bracket(&by_size, None)? else { return Ok(None) };
+        let mut best = (by_size, layout);
+        for which in 1..ORDERS {
+            let other = Arrangement::largest_first(self.pieces, which);
+            if self.goes_on()
+                && let Some(denser) = self.bracket(&other, Some(best.1.density))?
+            {
+                best = (other, denser);
+            }
+        }
+        Ok(Some(best))
+    }
+
     /// Whether there is work, and time, to spend on a denser arrangement.
     fn goes_on(&self) -> bool {
-        self.work < WORK && !self.run.skips(Stage::Pack, GaveUp::Search)
+        self.work < self.effort.work && !self.run.skips(Stage::Pack, GaveUp::Search)
     }
 
     /// Bytes of a batch of arrangements with all their pages.
@@ -185,7 +213,7 @@ impl Search<'_> {
         let (mut fit, mut pace) = (None::<Layout>, 1.1);
         loop {
             let scaled = self.scaled(density);
-            let trial = self.trials(std::slice::from_ref(a), &scaled)?.swap_remove(0);
+            let trial = self.trials(std::slice::from_ref(a), &scaled, 0.0)?.swap_remove(0);
             if trial.left == 0.0 {
                 fit = Some(Layout { density, spots: trial.spots });
             } else {
@@ -204,11 +232,40 @@ impl Search<'_> {
         Ok(fit)
     }
 
-    /// Raise the density by changing the arrangement, until enough work is done.
-    fn climb(&mut self, mut from: Arrangement, mut best: Layout) -> Result<Layout, Canceled> {
-        let (mut step, mut left, mut idle, mut batch) = (STEPS[0], f64::INFINITY, 0, 0);
+    /// The highest density at which an arrangement fits, around the one that is expected; `None` where it
+    /// fits well below alone.
+    fn settle(&mut self, a: &Arrangement, expected: f64) -> Result<Option<Layout>, Canceled> {
+        let mut low = LOWEST * expected;
+        let mut fit = None;
+        for step in SETTLING {
+            let first = i32::from(fit.is_some());
+            let densities: Vec<f64> =
+                (first..first + 4).map(|k| low + expected * step * f64::from(k)).collect();
+            let trial = |&density: &f64| (density, self.trial(a, &self.scaled(density), 0.0));
+            let trials: Vec<_> = densities.par_iter().map(trial).collect();
+            for (density, trial) in trials {
+                let Trial { left, spots, work } = trial?;
+                self.work += work;
+                if left == 0.0 {
+                    fit = Some(Layout { density, spots });
+                }
+            }
+            let Some(Layout { density, .. }) = fit else { break };
+            low = density;
+        }
+        Ok(fit)
+    }
+
+    /// Raise the density by changing the arrangement, by `step` at first, until enough work is done.
+    fn climb(
+        &mut self,
+        (mut from, mut best): (Arrangement, Layout),
+        mut step: f64,
+    ) -> Result<(Arrangement, Layout), Canceled> {
+        let mut fits = from.clone();
+        let (mut left, mut idle, mut batch) = (f64::INFINITY, 0, 0);
         let mut scaled = self.scaled(best.density * (1.0 + step));
-        while idle < END && self.goes_on() {
+        while idle < self.effort.idle && self.goes_on() {
             // At a new density the arrangement itself is tried too.
             let unchanged = left.is_infinite();
             let next = |k| match k {
@@ -216,7 +273,7 @@ impl Search<'_> {
                 _ => from.changed(self.pieces, &mut Seeded::new(batch, k)),
             };
             let tried: Vec<Arrangement> = (0..BATCH).map(next).collect();
-            let mut trials = self.trials(&tried, &scaled)?;
+            let mut trials = self.trials(&tried, &scaled, left)?;
             batch += 1;
             let lefts = trials.iter().map(|t| t.left).enumerate();
             let (chosen, least) = lefts.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
@@ -227,7 +284,8 @@ impl Search<'_> {
             if least == 0.0 {
                 let spots = trials.swap_remove(chosen).spots;
                 best = Layout { density: scaled.density, spots };
-            } else if idle < PATIENCE || step <= STEPS[1] {
+                fits = from.clone();
+            } else if idle < PATIENCE || step <= SMALLEST {
                 continue;
             } else {
                 step *= 0.5;
@@ -235,7 +293,7 @@ impl Search<'_> {
             (left, idle) = (f64::INFINITY, 0);
             scaled = self.scaled(best.density * (1.0 + step));
         }
-        Ok(best)
+        Ok((fits, best))
     }
 
     fn scaled(&self, density: f64) -> Scaled {
@@ -243,21 +301,28 @@ impl Search<'_> {
         Scaled { density, masks: self.pieces.iter().map(turns).collect() }
     }
 
-    /// Place arrangements, side by side.
-    fn trials(&mut self, all: &[Arrangement], scaled: &Scaled) -> Result<Vec<Trial>, Canceled> {
+    /// Place arrangements, side by side, each until more than `most` is left over.
+    fn trials(
+        &mut self,
+        all: &[Arrangement],
+        scaled: &Scaled,
+        most: f64,
+    ) -> Result<Vec<Trial>, Canceled> {
         let trials: Vec<Result<Trial, Canceled>> =
-            all.par_iter().map(|a| self.trial(a, scaled)).collect();
+            all.par_iter().map(|a| self.trial(a, scaled, most)).collect();
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
         self.work += trials.iter().map(|t| t.work).sum::<u64>();
-        self.run.advance(self.work as f64 / WORK as f64);
+        self.run.advance(self.work as f64 / self.effort.work as f64);
         Ok(trials)
     }
 
-    /// Place one arrangement: each chart on the first page that has room for it.
-    fn trial(&self, a: &Arrangement, scaled: &Scaled) -> Result<Trial, Canceled> {
+    /// Place one arrangement, each chart on the first page that has room for it, until more than `most`
+    /// is left over.
+    fn trial(&self, a: &Arrangement, scaled: &Scaled, most: f64) -> Result<Trial, Canceled> {
         let spots = vec![Spot::default(); self.pieces.len()];
         let mut trial = Trial { left: 0.0, spots, work: 0 };
-        let mut pages: Vec<Page> = Vec::new();
+        let mut pages = self.blank().pop().unwrap_or_default();
+        pages.iter_mut().for_each(Page::clear);
         // Where equal boxes were put last: the next fits nowhere below.
         let mut above: HashMap<(usize, u32, u32), u32> = HashMap::new();
         for &i in &a.order {
@@ -304,9 +369,17 @@ impl Search<'_> {
             }
             if !placed {
                 trial.left += piece.area * piece.weight.powi(2);
+                if trial.left > most {
+                    break;
+                }
             }
         }
+        self.blank().push(pages);
         Ok(trial)
+    }
+
+    fn blank(&self) -> MutexGuard<'_, Vec<Vec<Page>>> {
+        self.blank.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The masks of the quarter turns of a chart that is turned by `turn`.

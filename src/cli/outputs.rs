@@ -15,6 +15,11 @@ use crate::pipeline::Unwrapped;
 pub struct Outputs(Vec<(ArtifactKind, PathBuf)>);
 
 impl Outputs {
+    /// Whether pictures are among them.
+    pub fn hold_pictures(&self) -> bool {
+        self.0.iter().any(|(kind, _)| matches!(kind, ArtifactKind::Layout | ArtifactKind::Preview))
+    }
+
     /// Write what was asked for. A file that the result does not have is told of.
     pub fn write(&self, result: &Unwrapped) -> Result<()> {
         for (kind, path) in &self.0 {

@@ -44,8 +44,11 @@ pub fn run(args: Args) -> Result<()> {
     let files = Files::read(&args.input, &args.beside)?;
     let engine = args.weights.engine(&args.device)?;
     let (run, watcher) = watched::run(&args.options, args.quiet);
+    // What is not kept is not drawn.
+    let preview = args.options.preview && args.outputs.hold_pictures();
+    let options = UnwrapOptions { preview, ..args.options };
     let result =
-        pipeline::unwrap_input(&files.input(), &args.options, &Limits::default(), &engine, &run);
+        pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &engine, &run);
     drop(watcher);
     let unwrapped = result.map_err(|error| told::error(&error))?;
     args.outputs.write(&unwrapped)?;

@@ -51,7 +51,7 @@ pub enum Written {
     Charts,
     /// By a job that ends with its parts (`stop_after = segmentation`).
     Parts,
-    /// By every job that succeeds, unless its time or memory was too short for pictures.
+    /// By every job that succeeds, unless it was to draw none or its time or memory was too short for them.
     Pictures,
     /// The same, of jobs that do not end with their parts.
     ChartPictures,
@@ -71,9 +71,9 @@ impl Written {
             Self::Always => "always",
             Self::Charts => "unless the job ends with its parts",
             Self::Parts => "where the job ends with its parts (`stop_after=segmentation`)",
-            Self::Pictures => "unless time or memory ran out before",
+            Self::Pictures => "unless `preview=false`, or time or memory ran out before",
             Self::ChartPictures => {
-                "unless the job ends with its parts, or time or memory ran out before"
+                "unless the job ends with its parts, `preview=false`, or time or memory ran out before"
             }
             Self::Run => "by the service, for jobs that failed too",
         }

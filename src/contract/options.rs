@@ -74,6 +74,8 @@ options! {
         budget_s: Option<f64> = None, Job, 0.001..=1000000.0 "seconds";
         /// Memory the job may use, counted from the input and the options.
         budget_mib: u64 = 6144, Job, 64..=1048576 "MiB";
+        /// Draw the pictures, uv_layout.svg and preview.png.
+        preview: bool = true, Job;
         /// Where the job ends early; null to run it whole.
         stop_after: Option<StopAfter> = None, Job;
     }

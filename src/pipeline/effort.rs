@@ -49,9 +49,12 @@ fn work(faces: f64, options: &UnwrapOptions) -> Vec<(Stage, f64)> {
         if options.stop_after.is_none() {
             work.extend([(Stage::Train, train), (Stage::Polish, line(0.003, 0.006))]);
         }
-        work.extend([(Stage::Pack, line(0.42, 0.004)), (Stage::Measure, line(0.01, 0.005))]);
+        work.extend([(Stage::Pack, line(0.15, 0.004)), (Stage::Measure, line(0.01, 0.005))]);
     }
-    work.extend([(Stage::Preview, line(0.24, 0.004)), (Stage::Export, line(0.002, 0.0006))]);
+    if options.preview {
+        work.push((Stage::Preview, line(0.1, 0.004)));
+    }
+    work.push((Stage::Export, line(0.002, 0.0006)));
     work
 }
 

@@ -112,7 +112,7 @@ fn stages(
     warn_of_textures(scene, options, run);
     let (found, solvers) = parts::find(scene, options, engine, run)?;
     if options.stop_after == Some(StopAfter::Segmentation) {
-        return report::segmentation_only(scene, &found, engine, run);
+        return report::segmentation_only(scene, &found, options, engine, run);
     }
     let made = choice::atlas(&found, &solvers, options, engine, run)?;
     maps::tell_parts(&made.found, &made.atlas.charts, run);

@@ -61,14 +61,16 @@ pub fn whole(
         Some(instances) => Some(instances.metrics(&measured, run)?),
         None => None,
     };
-    let pictures = if affords_pictures(found, instances.as_ref(), finished.pages, run) {
+    let pictures = if draws(found, instances.as_ref(), finished.pages, options, run) {
         run.stage(Stage::Preview)?;
         let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
-        let layout = preview::uv_layout_svg(&measured, &names, &run.cancel)?;
-        run.advance(0.1);
         let shown = instances.as_ref().map(|instances| instances.shown(&measured));
         let shown = shown.as_ref().map(|shown| shown.measured(&measured));
-        Some((layout.into_bytes(), preview::preview_png(&measured, shown.as_ref(), run)?))
+        let (layout, picture) = rayon::join(
+            || preview::uv_layout_svg(&measured, &names, &run.cancel),
+            || preview::preview_png(&measured, shown.as_ref(), run),
+        );
+        Some((layout?.into_bytes(), picture?))
     } else {
         None
     };
@@ -136,11 +138,12 @@ pub fn whole(
 pub fn segmentation_only(
     scene: &Scene,
     found: &Found,
+    options: &UnwrapOptions,
     engine: &Engine,
     run: &Run,
 ) -> Result<Unwrapped, Cause> {
     let instances = Instances::of(scene, found);
-    let picture = if affords_pictures(found, instances.as_ref(), 0, run) {
+    let picture = if draws(found, instances.as_ref(), 0, options, run) {
         run.stage(Stage::Preview)?;
         let count = found.surface.face_count();
         let uvs = vec![[[f32::NAN; 2]; 3]; count];
@@ -200,8 +203,17 @@ pub fn segmentation_only(
     Ok(Unwrapped { metrics, artifacts })
 }
 
-/// Whether there is time and memory for pictures; if not, that is recorded.
-fn affords_pictures(found: &Found, instances: Option<&Instances>, pages: u32, run: &Run) -> bool {
+/// Whether pictures are asked for and there is time and memory for them; if there is not, that is recorded.
+fn draws(
+    found: &Found,
+    instances: Option<&Instances>,
+    pages: u32,
+    options: &UnwrapOptions,
+    run: &Run,
+) -> bool {
+    if !options.preview {
+        return false;
+    }
     let own = found.surface.face_count();
     let faces = instances.map_or(own, |instances| instances.drawn_faces(own));
     if preview::bytes(faces, pages) > run.budget.spare_bytes() {
@@ -385,7 +397,8 @@ mod tests {
         let run = Run::quiet();
         let (found, _) = scenes::found(&scenes::squares(2), &scenes::options(), &run);
         let scene = scenes::scene(&scenes::squares(2));
-        let result = segmentation_only(&scene, &found, &scenes::engine(), &run).unwrap();
+        let (options, engine) = (scenes::options(), scenes::engine());
+        let result = segmentation_only(&scene, &found, &options, &engine, &run).unwrap();
         let m = &result.metrics;
         assert!(m.charts.is_empty() && m.atlas == AtlasMetrics::default());
         assert_eq!(m.parts.iter().map(|p| p.faces).collect::<Vec<_>>(), [2, 2]);

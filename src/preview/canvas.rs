@@ -1,6 +1,7 @@
 //! A rectangle of linear light, and what is drawn in the plane: triangles and lines.
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 /// An image, row by row from the top.
 #[derive(Debug, Clone)]
@@ -14,7 +15,7 @@ impl Canvas {
     /// A canvas that fades from `top` to `bottom`.
     pub(super) fn gradient(width: usize, height: usize, top: Vec3, bottom: Vec3) -> Self {
         let row = |y: usize| top.lerp(bottom, y as f32 / height.max(2) as f32);
-        let pixels = (0..width * height).map(|i| row(i / width)).collect();
+        let pixels = (0..height).flat_map(|y| std::iter::repeat_n(row(y), width)).collect();
         Self { width, height, pixels }
     }
 
@@ -27,9 +28,9 @@ impl Canvas {
 
     /// Lays `color` over the canvas where `mask` says so.
     pub(super) fn lay(&mut self, mask: &[f32], color: Vec3) {
-        for (pixel, m) in self.pixels.iter_mut().zip(mask) {
+        self.pixels.par_iter_mut().zip(mask).filter(|(_, m)| **m != 0.0).for_each(|(pixel, m)| {
             *pixel = pixel.lerp(color, *m);
-        }
+        });
     }
 
     /// The part of the canvas whose top left corner is at (`x`, `y`); it must lie inside.

@@ -30,10 +30,10 @@ pub enum PreviewError {
     Encoding(#[from] png::EncodingError),
 }
 
-/// Bytes that drawing so many faces and pages takes: canvas, depths and faces of the large panel, rays and
+/// Bytes that drawing so many faces and pages takes: canvas, depths and faces of the panels, rays and
 /// edges of the object, and the canvas of the pages below.
 pub fn bytes(faces: usize, pages: u32) -> u64 {
-    let panel = LARGE * LARGE;
+    let panel = LARGE * LARGE + 2 * SMALL * SMALL;
     let below = (LARGE + SMALL) * height_below(pages);
     ((panel + below) * FACTOR * FACTOR) as u64 * 32 + faces as u64 * 256
 }
@@ -70,18 +70,23 @@ pub fn preview_png(
     let below = height_below(input.pages);
     let panels = run.steps(4, 0.1, 1.0);
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE + below, Vec3::ONE, Vec3::ONE);
-    page.paste_smaller(&checker_panel(scene, input, scene_edges, cancel)?, FACTOR, 0, 0);
-    panels.add(2);
-    page.paste_smaller(&parts_panel(scene, scene_edges, SMALL, cancel)?, FACTOR, LARGE, 0);
-    panels.step();
+    let (checker, (parts, layout)) = rayon::join(
+        || checker_panel(scene, input, scene_edges, cancel).inspect(|_| panels.add(2)),
+        || {
+            let layout = layout_panel(input, &edges);
+            panels.step();
+            (parts_panel(scene, scene_edges, SMALL, cancel).inspect(|_| panels.step()), layout)
+        },
+    );
+    page.paste_smaller(&checker?, FACTOR, 0, 0);
+    page.paste_smaller(&parts?, FACTOR, LARGE, 0);
+    page.paste_smaller(&layout, FACTOR, LARGE, SMALL);
     cancel.check()?;
-    page.paste_smaller(&layout_panel(input, &edges), FACTOR, LARGE, SMALL);
     if let Some(pages) = large {
         let mut strip = background((LARGE + SMALL, below));
         draw_layout(&mut strip, input, &edges, pages, (6 * FACTOR) as f32, FACTOR as f32);
         page.paste_smaller(&strip, FACTOR, 0, LARGE);
     }
-    panels.step();
     for y in 0..LARGE {
         page.pixels[y * page.width + LARGE] = linear(RULE);
     }
