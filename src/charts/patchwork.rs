@@ -2,12 +2,14 @@
 //! closed, and where each corner lies in the plane.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use glam::DVec2;
 
 use super::chart::StartKind;
 use super::limits::extent::{Extent, extent};
 use super::limits::fit::Fit;
+use super::limits::known::Known;
 use super::part_mesh::{PartMesh, Piece};
 use crate::flatten::{UvMap, quality};
 use crate::mesh::NONE;
@@ -36,6 +38,8 @@ pub struct Patchwork<'a> {
     pub area: Vec<f64>,
     /// Symmetric Dirichlet energy of each chart over an isometry's, times its area.
     pub energy: Vec<f64>,
+    /// What came of unions; clones share it.
+    pub known: Arc<Known>,
 }
 
 impl<'a> Patchwork<'a> {
@@ -50,7 +54,8 @@ impl<'a> Patchwork<'a> {
         let area = faces.iter().map(|f| f.iter().map(|&f| mesh.area(f as usize)).sum()).collect();
         let (extent, energy) = (vec![Extent::default(); count], vec![0.0; count]);
         let (kind, rims) = (vec![StartKind::Weld; count], vec![Vec::new(); count]);
-        Self { mesh, chart_of, glued, uv, faces, rims, extent, kind, area, energy }
+        let known = Arc::default();
+        Self { mesh, chart_of, glued, uv, faces, rims, extent, kind, area, energy, known }
     }
 
     /// Put a chart's map in place.

@@ -25,9 +25,13 @@ pub(super) fn ambient_light(
 ) -> Vec<f32> {
     let width = seen.size / block;
     let at = |i: usize| (i / width * block) * seen.size + i % width * block;
+    let spirals: Vec<[Vec2; POINTS]> = (0..16).map(|k| spiral(k / 4, k % 4)).collect();
     let raw: Vec<f32> = (0..width * width)
         .into_par_iter()
-        .map(|i| obscurance(seen, camera, normals, diagonal, at(i), i % width, i / width))
+        .map(|i| {
+            let spiral = &spirals[i % width % 4 * 4 + i / width % 4];
+            obscurance(seen, camera, normals, diagonal, at(i), spiral)
+        })
         .collect();
     (0..width * width)
         .into_par_iter()
@@ -52,14 +56,27 @@ pub(super) fn ambient_light(
         .collect()
 }
 
+/// How far out the point `k` of a spiral lies, 0 to 1.
+fn share(k: usize) -> f32 {
+    (k as f32 + 0.5) / POINTS as f32
+}
+
+/// The ways to the points of a spiral, turned by one of 16 angles: for block (x, y), both mod 4.
+fn spiral(x: usize, y: usize) -> [Vec2; POINTS] {
+    let turn = (x * 4 + y * 7) as f32 * 2.399;
+    std::array::from_fn(|k| {
+        let (sin, cos) = (turn + share(k) * 2.0 * std::f32::consts::TAU).sin_cos();
+        Vec2::new(cos, sin)
+    })
+}
+
 fn obscurance(
     seen: &Visible,
     camera: &Camera,
     normals: &[Vec3],
     diagonal: f32,
     pixel: usize,
-    x: usize,
-    y: usize,
+    spiral: &[Vec2; POINTS],
 ) -> f32 {
     let face = seen.face[pixel];
     if face == NONE {
@@ -71,13 +88,9 @@ fn obscurance(
     let normal = facing(normals[face as usize], point);
     let radius = RADIUS * diagonal;
     let reach = radius * camera.pixels(near);
-    // A spiral, turned by one of 16 angles.
-    let turn = ((x % 4) * 4 + (y % 4) * 7) as f32 * 2.399;
     let mut sum = 0.0;
-    for k in 0..POINTS {
-        let share = (k as f32 + 0.5) / POINTS as f32;
-        let (sin, cos) = (turn + share * 2.0 * std::f32::consts::TAU).sin_cos();
-        let q = here + Vec2::new(cos, sin) * (reach * share);
+    for (k, &way) in spiral.iter().enumerate() {
+        let q = here + way * (reach * share(k));
         if q.min_element() < 0.0 || q.max_element() >= seen.size as f32 {
             continue;
         }

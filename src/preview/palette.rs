@@ -2,6 +2,8 @@
 //! their lightness. Chosen from Okabe and Ito, "Color universal design", 2008, and from the "muted"
 //! scheme of Tol, "Colour schemes", SRON/EPS/TN/09-002, 2021.
 
+use std::sync::LazyLock;
+
 /// Parts beyond the twelfth take the hues again, lighter.
 const HUES: [[u8; 3]; 12] = [
     [0x00, 0x72, 0xB2],
@@ -45,14 +47,34 @@ pub(super) fn linear(color: [u8; 3]) -> glam::Vec3 {
     glam::Vec3::from_array(color.map(component))
 }
 
+/// The sRGB value of linear light in one channel.
+fn encode_channel(c: f32) -> u8 {
+    let c = c.clamp(0.0, 1.0);
+    let c = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    (c * 255.0 + 0.5) as u8
+}
+
+/// The least light of each value but 0: to look it up costs a tenth of the power.
+static LEAST_LIGHT: LazyLock<[f32; 255]> = LazyLock::new(|| {
+    std::array::from_fn(|below| {
+        // Positive numbers order as their bits do.
+        let (mut under, mut reached) = (0, 1f32.to_bits());
+        while reached - under > 1 {
+            let middle = under + (reached - under) / 2;
+            if usize::from(encode_channel(f32::from_bits(middle))) > below {
+                reached = middle;
+            } else {
+                under = middle;
+            }
+        }
+        f32::from_bits(reached)
+    })
+});
+
 /// The sRGB colour of linear light.
 pub(super) fn encode(light: glam::Vec3) -> [u8; 3] {
-    let component = |c: f32| {
-        let c = c.clamp(0.0, 1.0);
-        let c = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (c * 255.0 + 0.5) as u8
-    };
-    light.to_array().map(component)
+    let least = &*LEAST_LIGHT;
+    light.to_array().map(|c| least.partition_point(|&l| l <= c) as u8)
 }
 
 #[cfg(test)]
@@ -65,6 +87,15 @@ mod tests {
         colors.sort_unstable();
         colors.dedup();
         assert_eq!(colors.len(), 36);
+    }
+
+    #[test]
+    fn what_is_looked_up_is_what_the_formula_says() {
+        for i in -10..=20_010 {
+            let c = i as f32 / 20_000.0;
+            assert_eq!(encode(glam::Vec3::splat(c)), [encode_channel(c); 3], "{c}");
+        }
+        assert_eq!(encode(glam::Vec3::new(f32::NAN, f32::INFINITY, 0.0)), [0, 255, 0]);
     }
 
     #[test]

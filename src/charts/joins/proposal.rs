@@ -110,9 +110,11 @@ impl Proposal {
         }
         let glued = |h: u32| work.glued[h as usize] || closed.contains(&h);
         let piece = work.mesh.cut_open_where(faces, glued);
-        let joined = lay_out(work, &piece, b, self.motion);
         let allowed = self.allowed / piece.disk.area();
-        let fit = refine(&piece.disk, joined, allowed, limits, run)?;
+        let fit = work.known.fit(&piece, allowed, || {
+            let joined = lay_out(work, &piece, b, self.motion);
+            refine(&piece.disk, joined, allowed, limits, run)
+        })?;
         Ok(fit.map(|fit| Union { path, piece, fit }))
     }
 }

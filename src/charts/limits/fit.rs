@@ -14,6 +14,10 @@ const STEPS: u32 = 6;
 /// Times the last decrease that a trial is still hoped to descend.
 const HOPELESS: f64 = 2.0;
 
+/// Times the bound from where on a union's map is not hoped to descend. Of 3,680 unions above it that were
+/// tried on 31 objects 40 came within the bound, and a fifth of all work went into them.
+const FAR: f64 = 10.0;
+
 /// A map that fits.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -58,7 +62,14 @@ pub fn refine(
         }
     }
     if least.is_infinite() {
-        return from_scratch(disk, bound, limits, run);
+        let (start, kind) = flatten::start_map(disk, limits.pinches.then_some(limits.clearance));
+        if energy(&start) > FAR * bound {
+            return Ok(None);
+        }
+        return descend(disk, (start, kind.into()), bound, limits, run);
+    }
+    if least > FAR * bound {
+        return Ok(None);
     }
     let border = Border::of(disk);
     if let Some(parted) = parted(disk, &border, &warm, limits) {

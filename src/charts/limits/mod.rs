@@ -3,6 +3,7 @@
 pub mod cost;
 pub mod extent;
 pub mod fit;
+pub mod known;
 pub mod visibility;
 
 use crate::charts::build::ChartOptions;

@@ -275,8 +275,10 @@ impl Move {
     ) -> Result<Option<(Piece, Fit)>, Canceled> {
         let glued = |h: u32| work.glued[h as usize] != self.toggled.contains(&h);
         let piece = work.mesh.cut_open_where(faces, glued);
-        let joined = lay_out(work, &piece, moved, Some(motion));
-        let fit = refine(&piece.disk, joined, limits.bound, limits, run)?;
+        let fit = work.known.fit(&piece, limits.bound, || {
+            let joined = lay_out(work, &piece, moved, Some(motion));
+            refine(&piece.disk, joined, limits.bound, limits, run)
+        })?;
         Ok(fit.map(|fit| (piece, fit)))
     }
 

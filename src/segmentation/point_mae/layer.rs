@@ -11,7 +11,8 @@ use crate::device::{Device, Seeded, uniform};
 
 /// Draws and numbers parameters.
 pub struct Maker<'a> {
-    rng: Seeded,
+    /// Draws the values; without it they are 0.
+    rng: Option<Seeded>,
     next: u64,
     device: &'a burn::tensor::Device,
 }
@@ -19,7 +20,12 @@ pub struct Maker<'a> {
 impl<'a> Maker<'a> {
     /// Parameters of `seed`, on `device`.
     pub fn new(seed: u64, device: &'a burn::tensor::Device) -> Self {
-        Self { rng: Seeded::new(seed, 4), next: 1, device }
+        Self { rng: Some(Seeded::new(seed, 4)), next: 1, device }
+    }
+
+    /// Parameters that are 0, on `device`: a place for those of a file.
+    pub fn blank(device: &'a burn::tensor::Device) -> Self {
+        Self { rng: None, next: 1, device }
     }
 
     /// Number from here on.
@@ -38,7 +44,10 @@ impl<'a> Maker<'a> {
 
     /// Uniform values.
     pub fn uniform<const D: usize>(&mut self, shape: [usize; D], bound: f32) -> Param<Tensor<D>> {
-        let data = uniform(&mut self.rng, shape, bound);
+        let data = match &mut self.rng {
+            Some(rng) => uniform(rng, shape, bound),
+            None => TensorData::zeros::<f32, _>(shape),
+        };
         self.parameter(data)
     }
 

@@ -53,10 +53,18 @@ pub struct PointMae {
 impl PointMae {
     /// A network whose parameters are drawn from `seed`.
     pub fn new(config: &PointMaeConfig, seed: u64, device: &burn::tensor::Device) -> Self {
-        let mut maker = Maker::new(seed, device);
-        let encoder = Encoder::new(config, &mut maker);
-        let head = Head::new(config, &mut maker);
-        Self { encoder, head, pairs: PairHead::new(&mut maker) }
+        Self::made(config, &mut Maker::new(seed, device))
+    }
+
+    /// A network whose parameters are 0, to be read from a file.
+    pub fn blank(config: &PointMaeConfig, device: &burn::tensor::Device) -> Self {
+        Self::made(config, &mut Maker::blank(device))
+    }
+
+    fn made(config: &PointMaeConfig, maker: &mut Maker) -> Self {
+        let encoder = Encoder::new(config, maker);
+        let head = Head::new(config, maker);
+        Self { encoder, head, pairs: PairHead::new(maker) }
     }
 
     /// Features at `points` (equally many a cloud) of clouds that `seen` are.

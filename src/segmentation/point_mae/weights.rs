@@ -125,7 +125,7 @@ pub fn from_bytes(
     size: ModelSize,
     device: &burn::tensor::Device,
 ) -> Result<PointMae, WeightsError> {
-    let mut model = PointMae::new(&size.config(), 0, device);
+    let mut model = PointMae::blank(&size.config(), device);
     let mut store = SafetensorsStore::from_bytes(Some(bytes))
         .with_from_adapter(FloatCastAdapter::to(DType::F32));
     let unreadable =

@@ -4,18 +4,24 @@
 use std::collections::VecDeque;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::Seen;
 use super::super::network::Network;
 use super::super::point_mae::{NAMES, NetworkCloud};
 use super::super::thickness::thickness;
 use crate::contract::{Canceled, Run};
+use crate::device::DeviceKind;
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
 use crate::sampling::{NETWORK_POINTS, PointCloud, farthest_points};
 
-/// Places on the surface at which the network is asked, at most.
+/// Places on the surface at which the network is asked, at most …
 const QUERIES: usize = 16_384;
+
+/// … and on a surface of few faces so many a face, but not fewer than these.
+const QUERIES_A_FACE: usize = 2;
+const LEAST_QUERIES: usize = 4_096;
 
 /// Attitudes in which the object is shown: which way is up is not known.
 const POSES: usize = 3;
@@ -45,17 +51,22 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     if cloud.is_empty() {
         return Ok(Evidence { thickness: vec![0.0; surface.face_count()], ..Default::default() });
     }
-    let asked = cloud.subset(&spread(cloud));
-    let rays = Rays::new(surface);
-    let through = thickness(surface, &rays, &asked.positions, &asked.faces);
-    run.cancel.check()?;
     let faces = surface.face_count();
+    let asked = cloud.subset(&spread(cloud, faces));
+    let rays = Rays::new(surface);
+    let shown = || network.map(|_| farthest_points(cloud, NETWORK_POINTS, run)).transpose();
+    let (through, shown) =
+        rayon::join(|| thickness(surface, &rays, &asked.positions, &asked.faces), shown);
+    let shown = shown?;
+    run.cancel.check()?;
     let relative: Vec<f32> = through.iter().map(|t| t / surface.diagonal as f32).collect();
     let fill = nearest_known(surface, &asked);
     let mut evidence =
         Evidence { thickness: on_faces(faces, &asked, &relative, 1, &fill), ..Default::default() };
-    let Some(Network { model, config, device, .. }) = network else { return Ok(evidence) };
-    let shown = cloud.subset(&farthest_points(cloud, NETWORK_POINTS, run)?);
+    let (Some(Network { model, config, device, .. }), Some(shown)) = (network, shown) else {
+        return Ok(evidence);
+    };
+    let shown = cloud.subset(&shown);
     let shown_through = thickness(surface, &rays, &shown.positions, &shown.faces);
     let mut whole = network_cloud(&shown, &shown_through);
     let (middle, scale) = whole.normalise();
@@ -66,7 +77,7 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     evidence.names = vec![0.0; faces * NAMES.len()];
     run.advance(BEFORE_POSES);
     let steps = run.steps(POSES, BEFORE_POSES, POSES_DONE);
-    for pose in 0..POSES {
+    let hear = |pose: usize| {
         run.cancel.check()?;
         let (shown, asked_places) = (turned(&whole, pose), turned(&places, pose));
         let tensors = device.burn();
@@ -76,22 +87,31 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
         let names: Vec<f32> = logits.into_data().try_into_vec().unwrap_or_default();
         let part = on_faces(faces, &asked, &part, config.part, &fill);
         let names = on_faces(faces, &asked, &names, NAMES.len(), &fill);
+        steps.step();
+        Ok((part, names))
+    };
+    // Much of a pass runs on one thread of the processor; a GPU does one at a time.
+    let heard: Result<Vec<(Vec<f32>, Vec<f32>)>, Canceled> = match device.kind() {
+        DeviceKind::Cpu => (0..POSES).into_par_iter().map(hear).collect(),
+        _ => (0..POSES).map(hear).collect(),
+    };
+    for (pose, (part, names)) in heard?.iter().enumerate() {
         // Distances in the joined embedding are root mean squares over the poses.
         let share = 1.0 / (POSES as f32).sqrt();
         for (f, from) in part.chunks(config.part).enumerate() {
             let to = &mut evidence.embedding[f * evidence.width + pose * config.part..];
             to.iter_mut().zip(from).for_each(|(to, from)| *to = share * from);
         }
-        let sum = evidence.names.iter_mut().zip(&names);
+        let sum = evidence.names.iter_mut().zip(names);
         sum.for_each(|(sum, name)| *sum += name / POSES as f32);
-        steps.step();
     }
     Ok(evidence)
 }
 
-/// Points at which to ask: spread over the cloud, at most one in so many that there are [`QUERIES`].
-fn spread(cloud: &PointCloud) -> Vec<u32> {
-    let count = cloud.len().min(QUERIES);
+/// Points at which to ask, spread over the cloud of a surface of so many faces.
+fn spread(cloud: &PointCloud, faces: usize) -> Vec<u32> {
+    let most = (QUERIES_A_FACE * faces).clamp(LEAST_QUERIES, QUERIES);
+    let count = cloud.len().min(most);
     (0..count).map(|i| (i * cloud.len() / count) as u32).collect()
 }
 
