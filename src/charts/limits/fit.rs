@@ -122,6 +122,8 @@ fn descend(
             iterations: STEPS,
             target: Some(1.0 + 0.9 * bound),
             give_up: Some(HOPELESS),
+            // What was stitched is near the optimum already.
+            newton: kind == StartKind::Weld,
             ..Default::default()
         };
         uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
