@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use uvsegnet::atlas::{self, Atlas, AtlasCertificates, Demands, Grid, PackOptions, Placed};
 use uvsegnet::charts::boundary::BoundaryFeatures;
 use uvsegnet::charts::{self, Chart, ChartOptions};
-use uvsegnet::contract::{Limits, MeshKind, Run, UnwrapOptions, Winding};
+use uvsegnet::contract::{Limits, MeshKind, Quality, Run, UnwrapOptions, Winding};
 use uvsegnet::device::Device;
 use uvsegnet::flatten::{self, SlimOptions, UvMap};
 use uvsegnet::mesh::{self, Conditioned, NONE, Scene, Surface, export};
@@ -188,6 +188,7 @@ fn pack(charts: &[Chart], maps: &[UvMap]) -> Atlas {
         pages,
         grid: Grid::Page,
         weights: Vec::new(),
+        quality: Quality::Balanced,
     };
     atlas::pack(&disks, &options, &Run::quiet()).expect("samples fit a page")
 }

@@ -25,3 +25,18 @@ impl Effort {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_quality_is_more_effort() {
+        let [fast, balanced, best] =
+            [Quality::Fast, Quality::Balanced, Quality::Best].map(Effort::of);
+        for k in 0..2 {
+            assert!(fast[k].work < balanced[k].work && balanced[k].work < best[k].work);
+            assert!(fast[k].idle <= balanced[k].idle && balanced[k].idle < best[k].idle);
+        }
+    }
+}

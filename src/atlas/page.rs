@@ -236,6 +236,26 @@ mod tests {
     }
 
     #[test]
+    fn a_page_that_was_emptied_is_as_good_as_a_new_one() {
+        let (disk, uv) = samples::plane(1, 1, 30.0, 17.0);
+        let outline = Outline::of(&disk, &uv);
+        let mask = |angle: f64| Mask::new(&outline, DVec2::from_angle(angle), 1.0, 0.5, false);
+        let fill = |page: &mut Page| -> Vec<Option<(u32, u32)>> {
+            let masks = (0..12).map(|k| mask(0.4 * f64::from(k)));
+            let put = |mask: Mask| {
+                let found = page.find(&mask, 0, u32::MAX, &mut 0);
+                found.inspect(|&(x, y)| page.insert(&mask, x, y))
+            };
+            masks.map(put).collect()
+        };
+        let mut page = Page::new(130);
+        let first = fill(&mut page);
+        assert!(first.contains(&None), "the page is full");
+        page.clear();
+        assert_eq!(fill(&mut page), first);
+    }
+
+    #[test]
     fn the_lowest_free_place_is_found() {
         let mut random = Seeded::new(3, 0);
         for side in [64, 100, 130] {

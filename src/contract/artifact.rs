@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(words(ArtifactKind::Model), "always");
         assert!(words(ArtifactKind::Labels).contains("stop_after=segmentation"));
         assert!(words(ArtifactKind::Layout).starts_with("unless the job ends with its parts"));
-        assert!(words(ArtifactKind::Preview).starts_with("unless time or memory"));
+        assert!(words(ArtifactKind::Preview).contains("`preview=false`"));
         assert!(words(ArtifactKind::Log).contains("failed too"));
     }
 }

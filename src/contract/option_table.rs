@@ -338,7 +338,7 @@ mod tests {
     fn a_flag_of_each_type_sets_its_option() {
         let words = "--uv-channel 3 --page-size 256 --budget-mib 99 --part-boundary 0.25 --udim \
                      --density seat=2 --max-charts 7 --quality best --seed 18446744073709551615 \
-                     --stop-after charts --budget-s 1.5";
+                     --stop-after charts --budget-s 1.5 --no-preview";
         let options = given(&words.split_whitespace().collect::<Vec<_>>()).unwrap();
         let wanted = UnwrapOptions {
             uv_channel: 3,
@@ -352,9 +352,11 @@ mod tests {
             seed: Seed(u64::MAX),
             stop_after: Some(crate::contract::StopAfter::Charts),
             budget_s: Some(1.5),
+            preview: false,
             ..Default::default()
         };
         assert_eq!(options, wanted);
+        assert!(given(&["--preview"]).is_err(), "what is done anyway has no flag that asks for it");
         assert!(given(&["--quality", "finest"]).is_err() && given(&["--padding", "x"]).is_err());
     }
 

@@ -26,6 +26,7 @@ mod maps;
 mod membership;
 mod neural;
 mod parts;
+mod pictures;
 mod regions;
 mod report;
 mod result;
@@ -122,6 +123,25 @@ fn stages(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contract::ArtifactKind;
+
+    #[test]
+    fn what_is_not_to_be_drawn_is_not_and_nothing_else_differs() {
+        let scene = scenes::scene(scenes::CUBE);
+        for stop_after in [None, Some(StopAfter::Segmentation)] {
+            let of = |preview| {
+                let options = UnwrapOptions { preview, stop_after, ..scenes::options() };
+                unwrap(&scene, &options, &scenes::engine(), &Run::quiet()).unwrap()
+            };
+            let (drawn, plain) = (of(true), of(false));
+            let pictures = [ArtifactKind::Layout, ArtifactKind::Preview];
+            assert!(pictures.iter().all(|&kind| plain.artifact(kind).is_none()));
+            assert!(drawn.artifact(ArtifactKind::Preview).is_some());
+            assert!(plain.metrics.degraded.is_empty(), "nothing was given up");
+            let model = ArtifactKind::Model;
+            assert_eq!(plain.artifact(model), drawn.artifact(model));
+        }
+    }
 
     #[test]
     fn textures_are_warned_of_where_their_coordinates_are_replaced_and_nowhere_else() {

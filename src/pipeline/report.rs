@@ -12,10 +12,11 @@ use super::json;
 use super::maps::Mapped;
 use super::membership::Membership;
 use super::parts::Found;
+use super::pictures;
 use super::result::{Artifact, Unwrapped};
 use super::summary;
 use crate::contract::{
-    ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, FirstFaces, GaveUp, JointSeams,
+    ArtifactKind, AtlasMetrics, Certificate, ChartMetrics, Figures, FirstFaces, JointSeams,
     Metrics, PartMetrics, Repairs, Run, Scarce, SegmentationSource, Stage, Summary, Units,
     UnwrapOptions,
 };
@@ -61,16 +62,8 @@ pub fn whole(
         Some(instances) => Some(instances.metrics(&measured, run)?),
         None => None,
     };
-    let pictures = if draws(found, instances.as_ref(), finished.pages, options, run) {
-        run.stage(Stage::Preview)?;
-        let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
-        let shown = instances.as_ref().map(|instances| instances.shown(&measured));
-        let shown = shown.as_ref().map(|shown| shown.measured(&measured));
-        let (layout, picture) = rayon::join(
-            || preview::uv_layout_svg(&measured, &names, &run.cancel),
-            || preview::preview_png(&measured, shown.as_ref(), run),
-        );
-        Some((layout?.into_bytes(), picture?))
+    let pictures = if pictures::draws(found, instances.as_ref(), finished.pages, options, run) {
+        Some(pictures::of_atlas(&measured, found, instances.as_ref(), run)?)
     } else {
         None
     };
@@ -143,7 +136,7 @@ pub fn segmentation_only(
     run: &Run,
 ) -> Result<Unwrapped, Cause> {
     let instances = Instances::of(scene, found);
-    let picture = if draws(found, instances.as_ref(), 0, options, run) {
+    let picture = if pictures::draws(found, instances.as_ref(), 0, options, run) {
         run.stage(Stage::Preview)?;
         let count = found.surface.face_count();
         let uvs = vec![[[f32::NAN; 2]; 3]; count];
@@ -201,26 +194,6 @@ pub fn segmentation_only(
     artifacts.extend(picture.map(|bytes| Artifact { kind: ArtifactKind::Preview, bytes }));
     run.advance(1.0);
     Ok(Unwrapped { metrics, artifacts })
-}
-
-/// Whether pictures are asked for and there is time and memory for them; if there is not, that is recorded.
-fn draws(
-    found: &Found,
-    instances: Option<&Instances>,
-    pages: u32,
-    options: &UnwrapOptions,
-    run: &Run,
-) -> bool {
-    if !options.preview {
-        return false;
-    }
-    let own = found.surface.face_count();
-    let faces = instances.map_or(own, |instances| instances.drawn_faces(own));
-    if preview::bytes(faces, pages) > run.budget.spare_bytes() {
-        run.give_up(Stage::Preview, GaveUp::Pictures, Scarce::Memory);
-        return false;
-    }
-    !run.skips(Stage::Measure, GaveUp::Pictures)
 }
 
 /// Whether the clock changed nothing.
@@ -314,7 +287,7 @@ fn charts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::{Budget, Cancel};
+    use crate::contract::{Budget, Cancel, GaveUp};
     use crate::pipeline::scenes;
 
     /// Two squares and a cube beside them, as far as the result; `change` may change what stands in the atlas.

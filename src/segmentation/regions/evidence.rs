@@ -91,7 +91,7 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
         Ok((part, names))
     };
     // Much of a pass runs on one thread of the processor; a GPU does one at a time.
-    let heard: Result<Vec<(Vec<f32>, Vec<f32>)>, Canceled> = match device.kind() {
+    let heard: Result<Vec<_>, Canceled> = match device.kind() {
         DeviceKind::Cpu => (0..POSES).into_par_iter().map(hear).collect(),
         _ => (0..POSES).map(hear).collect(),
     };
