@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use uvsegnet::contract::{Quality, SegmentationSource, UnwrapOptions};
+use uvsegnet::contract::{Quality, Rotation, SegmentationSource, UnwrapOptions};
 
 use super::{quick, unwrap};
 
@@ -51,7 +51,9 @@ fn fine_sheet(cells: u32, cell: f64) -> String {
 fn faces_that_the_lattice_would_lose_are_enlarged_and_told() {
     let cases = [(5e-6, false, 1), (5e-6, true, 1), (2e-5, true, 1), (2e-5, false, 0)];
     for (cell, udim, least) in cases {
-        let options = UnwrapOptions { udim, density: Some("1=0.01".into()), ..options() };
+        // Upright: how a turned face is rounded is chance.
+        let (rotation, density) = (Rotation::None, Some("1=0.01".into()));
+        let options = UnwrapOptions { udim, rotation, density, ..options() };
         let m = unwrap(fine_sheet(6, cell).as_bytes(), None, &options).unwrap().metrics;
         assert!(m.atlas.certificate.valid, "{cell} {udim}: {:?}", m.atlas.certificate);
         assert_eq!(m.repairs.enlarged_faces.min(1), least, "{cell} {udim}");
