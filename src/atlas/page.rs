@@ -241,7 +241,7 @@ mod tests {
         let outline = Outline::of(&disk, &uv);
         let mask = |angle: f64| Mask::new(&outline, DVec2::from_angle(angle), 1.0, 0.5, false);
         let fill = |page: &mut Page| -> Vec<Option<(u32, u32)>> {
-            let masks = (0..12).map(|k| mask(0.4 * f64::from(k)));
+            let masks = (0..40).map(|k| mask(0.4 * f64::from(k)));
             let put = |mask: Mask| {
                 let found = page.find(&mask, 0, u32::MAX, &mut 0);
                 found.inspect(|&(x, y)| page.insert(&mask, x, y))
