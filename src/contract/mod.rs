@@ -21,6 +21,7 @@ mod options;
 mod progress;
 mod repairs;
 mod run;
+mod switch;
 mod warning;
 
 pub use artifact::{ArtifactKind, Written};

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use clap::builder::{EnumValueParser, ValueParser};
-use clap::{Arg, ArgAction, ArgMatches, ValueEnum};
+use clap::{Arg, ArgMatches, ValueEnum};
 
 /// What an option is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,30 +95,6 @@ macro_rules! numbers {
     )*};
 }
 numbers!(u8, u32, u64, f64);
-
-/// A flag without a value; of what is done unless it is told otherwise, `--no-…`.
-impl OptionValue for bool {
-    fn flag(&self, arg: Arg) -> Arg {
-        if !self {
-            return arg.action(ArgAction::SetTrue);
-        }
-        let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
-        let (first, rest) = help.split_at(help.chars().next().map_or(0, char::len_utf8));
-        let told = format!("Do not {}{rest}", first.to_lowercase());
-        let long = format!("no-{}", arg.get_long().unwrap_or_default());
-        let id = not(arg.get_id().as_str());
-        arg.id(id).long(long).help(told).action(ArgAction::SetFalse)
-    }
-
-    fn given(matches: &mut ArgMatches, name: &str) -> Option<Self> {
-        taken(matches, &not(name)).or_else(|| taken(matches, name))
-    }
-}
-
-/// The name of the flag that turns an option off.
-fn not(name: &str) -> String {
-    format!("no_{name}")
-}
 
 /// A value that may be absent: its flag has no default.
 impl<T: OptionValue + Default> OptionValue for Option<T> {
