@@ -6,7 +6,7 @@ use crate::contract::Quality;
 /// When one search ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Effort {
-    /// Words looked at after which nothing further is begun; 10⁸ are about a tenth of a second of one core.
+    /// Words looked at after which nothing further is begun; 10⁸ are about a third of a second of one core.
     pub work: u64,
     /// Batches without gain, at the smallest step of the density, after which no more is expected: of n
     /// batches without one the next gains with a chance of about 1/n.

@@ -50,7 +50,8 @@ impl Page {
     /// Bytes of a page of so many cells across.
     pub fn bytes(side: u32) -> u64 {
         let (words, levels) = shape(side.min(CELLS));
-        u64::from(side.min(CELLS)) * (words * levels * size_of::<u64>() + size_of::<u32>()) as u64
+        u64::from(side.min(CELLS))
+            * (words * levels * size_of::<u64>() + size_of::<u8>() + size_of::<u32>()) as u64
     }
 
     /// The lowest, then leftmost, cell on which the mask's lower left cell can be put, not below

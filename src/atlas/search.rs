@@ -94,8 +94,14 @@ pub(super) fn search(
     run: &Run,
 ) -> Result<Option<Layout>, Canceled> {
     let mut fine = Search::new(pieces, *sheet, finely, run);
-    let affords = fine.bytes() <= run.budget.spare_bytes();
-    if affords && let Some(sheet) = sheet.coarser(pieces.len()) {
+    if fine.bytes() > run.budget.spare_bytes() {
+        let layout = fine.bracket(&Arrangement::largest_first(pieces, 0), None)?;
+        if layout.is_some() {
+            run.give_up(Stage::Pack, GaveUp::Search, Scarce::Memory);
+        }
+        return Ok(layout);
+    }
+    if let Some(sheet) = sheet.coarser(pieces.len()) {
         let mut coarse = Search::new(pieces, sheet, coarsely, run);
         if let Some(start) = coarse.start()? {
             let (arrangement, layout) = coarse.climb(start, FIRST)?;
@@ -105,13 +111,8 @@ pub(super) fn search(
             }
         }
     }
+    // Too many charts for coarse pages, or what was found there does not fit here: all is done here.
     fine.effort = coarsely;
-    if !affords {
-        let by_size = Arrangement::largest_first(pieces, 0);
-        let layout = fine.bracket(&by_size, None)?;
-        run.give_up(Stage::Pack, GaveUp::Search, Scarce::Memory);
-        return Ok(layout);
-    }
     let Some(start) = fine.start()? else { return Ok(None) };
     Ok(Some(fine.climb(start, FIRST)?.1))
 }

@@ -36,7 +36,7 @@ impl Network {
         device: &Device,
     ) -> Result<Self, SegmentationError> {
         let config = size.config();
-        let mut model = PointMae::new(&config, 0, &device.burn());
+        let mut model = PointMae::blank(&config, &device.burn());
         match load(&mut model, &config, file)? {
             Loaded::Whole => Ok(Self::new(model, config, device)),
             _ => Err(SegmentationError::Untrained(file.display().to_string())),

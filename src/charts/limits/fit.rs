@@ -38,7 +38,8 @@ pub struct Joined {
 }
 
 /// Sew joined charts together and improve their map until it is within the bound (area-weighted mean
-/// symmetric Dirichlet energy, minus 1) and proved injective; `None` where that cannot be had.
+/// symmetric Dirichlet energy, minus 1) and proved injective; `None` where that cannot be had, or not within a
+/// few steps.
 pub fn refine(
     disk: &Disk,
     joined: Joined,
@@ -62,11 +63,11 @@ pub fn refine(
         }
     }
     if least.is_infinite() {
-        let (start, kind) = flatten::start_map(disk, limits.pinches.then_some(limits.clearance));
-        if energy(&start) > FAR * bound {
+        let start = start(disk, limits);
+        if energy(&start.0) > FAR * bound {
             return Ok(None);
         }
-        return descend(disk, (start, kind.into()), bound, limits, run);
+        return descend(disk, start, bound, limits, run);
     }
     if least > FAR * bound {
         return Ok(None);
@@ -89,8 +90,13 @@ pub fn from_scratch(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
+    descend(disk, start(disk, limits), bound, limits, run)
+}
+
+/// The best start map, and how it was made.
+fn start(disk: &Disk, limits: &ChartLimits) -> (UvMap, StartKind) {
     let (start, kind) = flatten::start_map(disk, limits.pinches.then_some(limits.clearance));
-    descend(disk, (start, kind.into()), bound, limits, run)
+    (start, kind.into())
 }
 
 /// Whether a map is proved injective and its border keeps clear of itself.
