@@ -79,11 +79,11 @@ impl Mask {
         } else {
             let place = |p: DVec2| turn.rotate(p) * scale + origin;
             let segments: Vec<[DVec2; 2]> = outline.segments.iter().map(|s| s.map(place)).collect();
-            let mut spans = Vec::new();
+            let mut spans = Spans::of(height);
             touched(&segments, grow, (width, height), &mut spans);
             inside(&segments, (width, height), &mut spans);
-            spans.sort_unstable();
-            spans
+            spans.all.sort_unstable();
+            spans.all
         };
         Self { width, height, origin, ..Self::joined(height, &spans) }
     }
@@ -120,13 +120,34 @@ impl Mask {
     }
 }
 
+/// Spans of cells (row, first, end), as they are found.
+struct Spans {
+    all: Vec<(u32, u32, u32)>,
+    /// The last one of each row: that of the next segment of a border mostly meets it.
+    last: Vec<usize>,
+}
+
+impl Spans {
+    fn of(height: u32) -> Self {
+        Self { all: Vec::new(), last: vec![usize::MAX; height as usize] }
+    }
+
+    fn push(&mut self, row: u32, start: u32, end: u32) {
+        let last = &mut self.last[row as usize];
+        match self.all.get_mut(*last) {
+            Some(span) if start <= span.2 && end >= span.1 => {
+                (span.1, span.2) = (span.1.min(start), span.2.max(end));
+            }
+            _ => {
+                *last = self.all.len();
+                self.all.push((row, start, end));
+            }
+        }
+    }
+}
+
 /// Cells that come within `grow` (in either direction) of a segment, as spans of rows.
-fn touched(
-    segments: &[[DVec2; 2]],
-    grow: f64,
-    (width, height): (u32, u32),
-    spans: &mut Vec<(u32, u32, u32)>,
-) {
+fn touched(segments: &[[DVec2; 2]], grow: f64, (width, height): (u32, u32), spans: &mut Spans) {
     for &[a, b] in segments {
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let first = (low.y - grow).floor().max(0.0) as u32;
@@ -151,35 +172,46 @@ fn touched(
             let start = (x.min(z) - grow).floor().max(0.0) as u32;
             let end = ((x.max(z) + grow).floor().max(0.0) as u32 + 1).min(width);
             if start < end {
-                spans.push((row, start, end));
+                spans.push(row, start, end);
             }
         }
     }
 }
 
 /// Cells whose centres the segments wind around, as spans of rows.
-fn inside(segments: &[[DVec2; 2]], (width, height): (u32, u32), spans: &mut Vec<(u32, u32, u32)>) {
+fn inside(segments: &[[DVec2; 2]], (width, height): (u32, u32), spans: &mut Spans) {
     let beyond = |x: f64, most: u32| ((x - 0.5).ceil().max(0.0) as u32).min(most);
-    let mut crossings: Vec<(u32, f64, i32)> = Vec::new();
-    for &[a, b] in segments {
+    let rows = |&[a, b]: &[DVec2; 2]| {
+        beyond(a.y.min(b.y), height) as usize..beyond(a.y.max(b.y), height) as usize
+    };
+    // Crossings by row: room for each, filled from the front.
+    let mut starts = vec![0; height as usize + 1];
+    segments.iter().flat_map(rows).for_each(|row| starts[row + 1] += 1);
+    for row in 0..height as usize {
+        starts[row + 1] += starts[row];
+    }
+    let mut filled = starts.clone();
+    let mut crossings = vec![(0.0, 0); starts[height as usize]];
+    for segment in segments {
+        let [a, b] = *segment;
         let (low, high, way) = if a.y <= b.y { (a, b, 1) } else { (b, a, -1) };
-        for row in beyond(low.y, height)..beyond(high.y, height) {
-            let y = f64::from(row) + 0.5;
+        for row in rows(segment) {
+            let y = row as f64 + 0.5;
             let x = low.x + (y - low.y) * (high.x - low.x) / (high.y - low.y);
-            crossings.push((row, x, way));
+            crossings[filled[row]] = (x, way);
+            filled[row] += 1;
         }
     }
-    crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut winding = 0;
-    for pair in crossings.windows(2) {
-        let [(row, x, way), (next, z, _)] = [pair[0], pair[1]];
-        winding += way;
-        if row != next {
-            winding = 0;
-        } else if winding != 0 {
+    for row in 0..height {
+        let crossings = &mut crossings[starts[row as usize]..starts[row as usize + 1]];
+        crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut winding = 0;
+        for pair in crossings.windows(2) {
+            let [(x, way), (z, _)] = [pair[0], pair[1]];
+            winding += way;
             let (start, end) = (beyond(x, width), beyond(z, width));
-            if start < end {
-                spans.push((row, start, end));
+            if winding != 0 && start < end {
+                spans.push(row, start, end);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! One connected component of a part joined to charts (docs/method.md, 4.4 to 4.6): what the joining starts
 //! from, rounds of joining charts and moving their seams, and other orders.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::joins::merge::merge;
 use super::joins::rejoin::rejoin;
 use super::limits::ChartLimits;
@@ -85,22 +87,34 @@ impl<'a> Joiner<'a> {
             Some(whole) if whole.energy[0] <= least => return Ok((whole.clone(), whole)),
             other => other,
         };
-        let work = patchwork(mesh, sides, limits, run)?;
-        let joined = join(work.clone(), None, limits, run)?;
-        let mut best = (work, joined);
+        let begun = |sides: &[Side]| {
+            let work = patchwork(mesh, sides, limits, run)?;
+            let joined = join(work.clone(), None, limits, run)?;
+            Ok((work, joined))
+        };
+        let strips = || {
+            let strips = swept(mesh, limits, run)?;
+            (!strips.is_empty()).then(|| begun(&strips)).transpose()
+        };
+        // A thread that has nothing else to do begins with the strips.
+        let done = AtomicBool::new(!sides.is_empty());
+        let patches = || {
+            let patches = begun(sides);
+            done.store(true, Ordering::Relaxed);
+            patches
+        };
+        let early = || (!done.load(Ordering::Relaxed)).then(strips).transpose();
+        let (patches, early) = rayon::join(patches, early);
+        let (mut best, early) = (patches?, early?);
         let better =
             |other: &Patchwork, than: &Patchwork| balance(other, limits) < balance(than, limits);
         if let Some(whole) = whole.filter(|whole| better(whole, &best.1)) {
             best = (whole.clone(), whole);
         }
         if sides.is_empty() && count(&best.1) >= LEAST_PATCHES {
-            let strips = swept(mesh, limits, run)?;
-            if !strips.is_empty() {
-                let work = patchwork(mesh, &strips, limits, run)?;
-                let joined = join(work.clone(), None, limits, run)?;
-                if better(&joined, &best.1) {
-                    best = (work, joined);
-                }
+            let strips = early.map_or_else(strips, Ok)?;
+            if let Some(strips) = strips.filter(|strips| better(&strips.1, &best.1)) {
+                best = strips;
             }
         }
         Ok(best)

@@ -110,7 +110,7 @@ pub fn rescale_optimally(disk: &Disk, mut uv: UvMap) -> UvMap {
     uv
 }
 
-/// The mean of [`quality`] alone, but for the last digits: nothing is sorted.
+/// The mean of [`quality`] alone, but for the last digits: nothing is sorted. Infinite for a map with flips.
 pub fn mean_energy(disk: &Disk, uv: &[DVec2]) -> f64 {
     if count_flips(disk, uv) > 0 {
         return f64::INFINITY;
@@ -118,7 +118,12 @@ pub fn mean_energy(disk: &Disk, uv: &[DVec2]) -> f64 {
     let square = scale(disk, uv).powi(2);
     let (forward, inverse) = dirichlet_sums(disk, uv);
     let mean = 0.25 * (forward / square + inverse * square);
-    if disk.area() > 0.0 { mean } else { 1.0 }
+    match disk.area() > 0.0 {
+        // An overflow in a hopeless triangle must not read as a number that can be compared.
+        true if mean.is_nan() => f64::INFINITY,
+        true => mean,
+        false => 1.0,
+    }
 }
 
 /// Measure a map. A disk without area is an isometry.

@@ -58,7 +58,7 @@ pub use relax::relax;
 pub use separate::separate;
 pub use slim::{Slim, SlimOptions, slim};
 pub use start::{StartMap, start_map};
-pub use stitch::stitch;
+pub use stitch::{misfit, stitch};
 pub use tutte::tutte;
 pub use unfold::unfold;
 pub use unroll::unroll;

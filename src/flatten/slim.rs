@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::injective::{is_positive, is_simple};
 use super::jacobian::{
-    quality, rescale, rescale_optimally, symmetric_dirichlet, symmetric_dirichlet_gradient,
+    mean_energy, rescale, rescale_optimally, symmetric_dirichlet, symmetric_dirichlet_gradient,
 };
 use super::lscm::hat_gradients;
 use super::model::Model;
@@ -28,7 +28,7 @@ pub struct SlimOptions {
     pub tolerance: f64,
     /// End when the energy (area-weighted mean, 1 for an isometry) is at most this.
     pub target: Option<f64>,
-    /// End when the target is farther off than this many times what the last step took off.
+    /// End when the target is farther off than this many times what a Newton step promises, or took off.
     pub give_up: Option<f64>,
     /// Refuse steps after which the boundary is not simple: a map that starts injective stays so,
     /// at the price of stopping where it would touch itself.
@@ -99,16 +99,15 @@ impl Slim {
         cancel: &Cancel,
     ) -> Result<Self, Canceled> {
         let scaled = rescale(disk, start.clone());
-        let before = quality(disk, &scaled);
-        if before.flips > 0 || !before.mean.is_finite() {
+        let before = mean_energy(disk, &scaled);
+        if !before.is_finite() {
             // Scaling can flip a needle by rounding: the start itself is safe.
             return Ok(Self { uv: start.clone(), energies: Vec::new(), converged: false });
         }
         let mut descent = Descent::new(disk, rescale_optimally(disk, scaled.clone()), options);
         let converged = descent.run(options, cancel)?;
         let uv = rescale(disk, descent.uv);
-        let after = quality(disk, &uv);
-        let better = after.flips == 0 && after.mean <= before.mean;
+        let better = mean_energy(disk, &uv) <= before;
         let energies = descent.energies;
         Ok(Self { uv: if better { uv } else { scaled }, energies, converged })
     }
@@ -152,7 +151,16 @@ impl<'a> Descent<'a> {
             let mut step: Vec<f64> = gradient.iter().flat_map(|g| [-g.x, -g.y]).collect();
             system.solve(&mut step);
             let step: UvMap = step.chunks_exact(2).map(|d| DVec2::new(d[0], d[1])).collect();
-            let next = self.search(&gradient, &step, energy);
+            let slope: f64 = gradient.iter().zip(&step).map(|(g, d)| g.dot(*d)).sum();
+            let hopeless = |energy: f64, taken: f64| {
+                let left = energy - options.target.unwrap_or(1.0);
+                newton && options.give_up.is_some_and(|times| left > times * taken)
+            };
+            // The least of the model is half the slope below.
+            if hopeless(energy, -0.5 * slope) {
+                return Ok(false);
+            }
+            let next = self.search(&step, slope, energy);
             self.energies.extend(next);
             let share = next.map_or(0.0, |next| (energy - next) / (energy - 1.0));
             let taken = next.map_or(0.0, |next| energy - next);
@@ -160,8 +168,7 @@ impl<'a> Descent<'a> {
             if done(energy) || (newton && share <= options.tolerance) {
                 return Ok(true);
             }
-            let left = energy - options.target.unwrap_or(1.0);
-            if newton && options.give_up.is_some_and(|times| left > times * taken) {
+            if hopeless(energy, taken) {
                 return Ok(false);
             }
             newton |= share < SLOW;
@@ -207,10 +214,9 @@ impl<'a> Descent<'a> {
         gradient
     }
 
-    /// Go along `step` as far as the energy falls enough (Armijo, halving from the longest step
-    /// that flips nothing). Returns the new energy, or `None` when no step helps.
-    fn search(&mut self, gradient: &[DVec2], step: &[DVec2], energy: f64) -> Option<f64> {
-        let slope: f64 = gradient.iter().zip(step).map(|(g, d)| g.dot(*d)).sum();
+    /// Go along `step`, on which the energy has this slope, as far as it falls enough (Armijo, halving from
+    /// the longest step that flips nothing). Returns the new energy, or `None` when no step helps.
+    fn search(&mut self, step: &[DVec2], slope: f64, energy: f64) -> Option<f64> {
         if slope.is_nan() || slope >= 0.0 {
             return None;
         }
@@ -241,7 +247,7 @@ fn boundary_is_simple(border: &Border, uv: &[DVec2]) -> bool {
 mod tests {
     use super::*;
     use crate::flatten::count_flips;
-    use crate::flatten::{certify, lscm, samples, start_map, tutte};
+    use crate::flatten::{certify, lscm, quality, samples, start_map, tutte};
     use glam::DVec3;
     use proptest::prelude::*;
     use std::f64::consts::TAU;

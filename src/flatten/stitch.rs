@@ -52,6 +52,15 @@ pub fn stitch(disk: &Disk, frames: &[DMat2], near: &[DVec2]) -> Result<UvMap, Fl
     Ok((0..n).map(|v| DVec2::new(rhs[(v, 0)], rhs[(v, 1)])).collect())
 }
 
+/// Mean of ‖J(uv) − `frames`‖² by area: how far the charts had to be bent.
+pub fn misfit(disk: &Disk, frames: &[DMat2], uv: &[DVec2]) -> f64 {
+    let off = |f: usize| {
+        let off = disk.jacobian(f, uv) - frames[f];
+        disk.areas[f] * (off.x_axis.length_squared() + off.y_axis.length_squared())
+    };
+    (0..frames.len()).map(off).sum::<f64>() / disk.area()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
@@ -77,7 +78,11 @@ impl BlockSystem {
             pattern,
             Side::Lower,
             SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)),
-            CholeskySymbolicParams::default(),
+            CholeskySymbolicParams {
+                // Two unknowns a vertex: blocks pay from the smallest on.
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
         )
         .map_err(|_| FlattenError::Singular)?;
         let request = symbolic

@@ -7,122 +7,43 @@
 //! A path that cannot be closed as a whole is tried again in two halves, parted where the surface is
 //! bent most (largest angle defect): two faces of a box meet along one straight edge, the cap of a
 //! prism along one of its many.
+//!
+//! Paths that have no chart in common are solved at the same time and decided in turn. Where there are more
+//! threads than such paths, others are solved ahead of their turn: most unions do not hold, and the next ones are
+//! still the same then. What comes out does not depend on it.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidates::{self, Candidate};
-use super::proposal::Proposal;
+use super::proposal::{Proposal, Solved};
+use super::queue::{Queue, Waiting};
 use crate::charts::limits::ChartLimits;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 
-/// Faces that all proposals together may flatten, per face of the part …
+/// Faces that all proposals together may flatten, per face of the charts …
 const WORK_PER_FACE: usize = 24;
 
-/// … up to so many faces; beyond, a quarter of that.
+/// … up to so many faces; beyond, a quarter of that …
 const WORK_FACES: usize = 20_000;
 
-/// Attempts that are solved at the same time.
+/// … and those of large unions that do not hold, as most …
+const LARGE_PER_FACE: usize = 8;
+
+/// … which have more than this share of the faces.
+const LARGE: f64 = 0.125;
+
+/// Paths that are decided together.
 const BATCH: usize = 4;
 
-/// Candidates put off, for having a chart in common with a batch, before the batch is solved as it is.
+/// Paths put off, for having a chart in common with a batch, before the batch is solved as it is.
 const AHEAD: usize = 16;
 
-/// Candidates; those that save most seam for the faces that must be flattened come first, so that small
-/// charts are joined before large ones and the work is not spent on a few.
-struct Queue<'a> {
-    /// How far a soft map has left each half-edge open, where that decides.
-    openness: Option<&'a [f32]>,
-    heap: BinaryHeap<(u64, Reverse<u32>)>,
-    /// Each with the versions of its charts when it was found.
-    waiting: Vec<Option<(Candidate, [u32; 2])>>,
-    /// How often each chart has changed.
-    version: Vec<u32>,
-    /// Seams that could not be closed.
-    failed: BTreeSet<(u32, u32)>,
-    /// Angle defects of the part.
-    defects: Vec<f64>,
-}
-
-impl Queue<'_> {
-    fn versions(&self, candidate: &Candidate) -> [u32; 2] {
-        [candidate.a, candidate.b].map(|c| self.version[c as usize])
-    }
-
-    /// How far a soft map has closed a path, 0 to 1; 1 where there is none.
-    fn closed(&self, path: &[u32]) -> f64 {
-        let Some(openness) = self.openness else { return 1.0 };
-        let known = path.iter().map(|&h| f64::from(openness[h as usize])).filter(|o| !o.is_nan());
-        let (sum, count) = known.fold((0.0, 0u32), |(s, n), o| (s + o, n + 1));
-        if count > 0 { 1.0 - sum / f64::from(count) } else { 1.0 }
-    }
-
-    /// Queue a candidate; one that failed before, in its halves.
-    fn push(&mut self, work: &Patchwork, candidate: Candidate) {
-        if self.failed.contains(&candidate.key(work)) {
-            for half in candidate.halves(work, &self.defects) {
-                self.push(work, half);
-            }
-            return;
-        }
-        let seam = candidate.cost(work) * self.closed(&candidate.path);
-        let worth = seam / (candidate.size(work) as f64).sqrt();
-        self.heap.push((worth.to_bits(), Reverse(self.waiting.len() as u32)));
-        let versions = self.versions(&candidate);
-        self.waiting.push(Some((candidate, versions)));
-    }
-
-    /// A seam that cannot be closed is tried again in its halves.
-    fn fail(&mut self, work: &Patchwork, candidate: Candidate) {
-        self.failed.insert(candidate.key(work));
-        self.push(work, candidate);
-    }
-
-    /// The next proposals that are worth a solve, no two of them with a chart in common, so that they can
-    /// be solved at the same time; what they take is taken off the allowance.
-    fn batch(
-        &mut self,
-        work: &Patchwork,
-        limits: &ChartLimits,
-        allowance: &mut usize,
-    ) -> Vec<Proposal> {
-        let (mut batch, mut busy, mut later) = (Vec::new(), BTreeSet::new(), Vec::new());
-        while batch.len() < BATCH && later.len() < AHEAD {
-            let Some((candidate, seam)) = self.pop(work) else { break };
-            if busy.contains(&candidate.a) || busy.contains(&candidate.b) {
-                later.push(candidate);
-                continue;
-            }
-            let Some(proposal) = Proposal::prepare(work, &candidate, seam, limits) else {
-                self.fail(work, candidate);
-                continue;
-            };
-            if let Some(left) = allowance.checked_sub(proposal.candidate.size(work)) {
-                *allowance = left;
-                busy.extend([candidate.a, candidate.b]);
-                batch.push(proposal);
-            }
-        }
-        later.into_iter().for_each(|candidate| self.push(work, candidate));
-        batch
-    }
-
-    /// The next seam between charts that have not changed since, and its cost.
-    fn pop(&mut self, work: &Patchwork) -> Option<(Candidate, f64)> {
-        while let Some((_, Reverse(id))) = self.heap.pop() {
-            let Some((candidate, versions)) = self.waiting[id as usize].take() else { continue };
-            if versions == self.versions(&candidate) && !self.failed.contains(&candidate.key(work))
-            {
-                let seam = candidate.cost(work);
-                return Some((candidate, seam));
-            }
-        }
-        None
-    }
-}
+/// Paths that are solved at the same time, decided together or not, a thread.
+const TASKS: usize = 2;
 
 /// Close paths about the charts in `among` (ascending), and about what becomes of them, until none is left
 /// that may be. With an `openness` (0 to 1, one a local half-edge) those that are closed already come first.
@@ -133,46 +54,135 @@ pub fn merge(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<(), Canceled> {
-    let charts = work.faces.len();
-    let mut queue = Queue {
-        openness,
-        heap: BinaryHeap::new(),
-        waiting: Vec::new(),
-        version: vec![0; charts],
-        failed: BTreeSet::new(),
-        defects: candidates::angle_defects(work.mesh),
-    };
+    let mut queue = Queue::new(work, among, openness);
     let faces: usize = among.iter().map(|&c| work.faces[c as usize].len()).sum();
-    let mut allowance = 20_000 + WORK_PER_FACE * faces.min(WORK_FACES) + WORK_PER_FACE / 4 * faces;
-    for &chart in among {
-        for candidate in candidates::around(work, chart) {
-            if candidate.b >= chart || among.binary_search(&candidate.b).is_err() {
-                queue.push(work, candidate);
-            }
-        }
-    }
+    let mut allowance = Allowance::of(faces);
     loop {
         run.cancel.check()?;
-        let batch = queue.batch(work, limits, &mut allowance);
+        let (mut batch, mut later) = next(&mut queue, work, limits, &mut allowance);
         if batch.is_empty() || run.skips(Stage::Charts, GaveUp::Joining) {
             break;
         }
-        let solved: Result<Vec<_>, Canceled> =
-            batch.par_iter().map(|proposal| proposal.solve(work, limits, run)).collect();
-        for (Proposal { candidate, .. }, union) in batch.into_iter().zip(solved?) {
-            let Some(union) = union else {
+        solve(&mut batch, &mut later, work, limits, run)?;
+        later.into_iter().for_each(|waiting| queue.put_back(waiting));
+        for (Waiting { candidate, solved, .. }, proposal) in batch {
+            let size = candidate.size(work);
+            if proposal.decide(solved, work, limits, run)? {
+                allowance.held(size);
+                queue.joined(work, &candidate);
+            } else {
                 queue.fail(work, candidate);
-                continue;
-            };
-            union.commit(work, &candidate);
-            queue.version[candidate.a as usize] += 1;
-            if candidate.a != candidate.b {
-                queue.version[candidate.b as usize] += 1;
-            }
-            for candidate in candidates::around(work, candidate.a) {
-                queue.push(work, candidate);
             }
         }
+    }
+    Ok(())
+}
+
+/// Faces that may still be flattened.
+struct Allowance {
+    faces: usize,
+    /// A union of more is large.
+    large: usize,
+    /// Those of large unions that do not hold.
+    faces_of_large: usize,
+}
+
+impl Allowance {
+    /// For charts of so many faces.
+    fn of(faces: usize) -> Self {
+        let few = faces.min(WORK_FACES);
+        Self {
+            faces: 20_000 + WORK_PER_FACE * few + WORK_PER_FACE / 4 * faces,
+            large: (LARGE * faces as f64) as usize,
+            faces_of_large: 20_000 + LARGE_PER_FACE * faces,
+        }
+    }
+
+    fn of_large(&self, faces: usize) -> usize {
+        if faces > self.large { faces } else { 0 }
+    }
+
+    /// Take off a union of so many faces, if it lasts for it.
+    fn take(&mut self, faces: usize) -> bool {
+        let of_large = self.of_large(faces);
+        let lasts = faces <= self.faces && of_large <= self.faces_of_large;
+        if lasts {
+            self.faces -= faces;
+            self.faces_of_large -= of_large;
+        }
+        lasts
+    }
+
+    /// The union of so many faces holds.
+    fn held(&mut self, faces: usize) {
+        self.faces_of_large += self.of_large(faces);
+    }
+}
+
+/// The next paths that are worth a solve, no two of them with a chart in common, and those between them that were
+/// put off. What they take is taken off the allowance.
+fn next(
+    queue: &mut Queue,
+    work: &Patchwork,
+    limits: &ChartLimits,
+    allowance: &mut Allowance,
+) -> (Vec<(Waiting, Proposal)>, Vec<Waiting>) {
+    let (mut batch, mut busy, mut later) = (Vec::new(), BTreeSet::new(), Vec::new());
+    while batch.len() < BATCH && later.len() < AHEAD {
+        let Some(waiting) = queue.pop(work) else { break };
+        let [a, b] = [waiting.candidate.a, waiting.candidate.b];
+        if busy.contains(&a) || busy.contains(&b) {
+            later.push(waiting);
+            continue;
+        }
+        let Some(proposal) = Proposal::prepare(work, &waiting.candidate, limits) else {
+            queue.fail(work, waiting.candidate);
+            continue;
+        };
+        if allowance.take(waiting.candidate.size(work)) {
+            busy.extend([a, b]);
+            batch.push((waiting, proposal));
+        }
+    }
+    (batch, later)
+}
+
+/// Solve a batch; threads that it has nothing for begin with those `later`, until it is solved.
+fn solve(
+    batch: &mut [(Waiting, Proposal)],
+    later: &mut [Waiting],
+    work: &Patchwork,
+    limits: &ChartLimits,
+    run: &Run,
+) -> Result<(), Canceled> {
+    let mut tasks: Vec<(&mut Option<Solved>, Proposal)> = Vec::new();
+    for (waiting, proposal) in batch.iter_mut().filter(|(waiting, _)| waiting.solved.is_none()) {
+        tasks.push((&mut waiting.solved, proposal.clone()));
+    }
+    let (needed, threads) = (tasks.len(), rayon::current_num_threads());
+    let most = if needed > 0 && threads > 1 { TASKS * threads } else { needed };
+    for waiting in later.iter_mut().filter(|waiting| waiting.solved.is_none()) {
+        if tasks.len() < most {
+            let proposal = Proposal::prepare(work, &waiting.candidate, limits);
+            tasks.extend(proposal.map(|p| (&mut waiting.solved, p)));
+        }
+    }
+    let (turn, left) = (AtomicUsize::new(0), AtomicUsize::new(needed));
+    let solved: Vec<OnceLock<_>> = tasks.iter().map(|_| OnceLock::new()).collect();
+    let solve = |_| {
+        loop {
+            let i = turn.fetch_add(1, Ordering::Relaxed);
+            let late = i >= needed && left.load(Ordering::Relaxed) == 0;
+            let Some((_, proposal)) = tasks.get(i).filter(|_| !late) else { break };
+            let _ = solved[i].set(proposal.solve(work, limits, run));
+            if i < needed {
+                left.fetch_sub(1, Ordering::Relaxed);
+            }
+        }
+    };
+    (0..threads.min(tasks.len())).into_par_iter().with_max_len(1).for_each(solve);
+    for ((place, _), solved) in tasks.into_iter().zip(solved) {
+        *place = solved.into_inner().transpose()?;
     }
     Ok(())
 }

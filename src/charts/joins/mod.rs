@@ -6,4 +6,5 @@ mod collision;
 pub mod merge;
 pub mod over_cut;
 pub mod proposal;
+mod queue;
 pub mod rejoin;

@@ -33,6 +33,7 @@ const DEPTH_MISFIT: f64 = 3.0;
 pub type Motion = (DMat2, DVec2);
 
 /// A union that is worth a solve.
+#[derive(Clone)]
 pub struct Proposal {
     /// The path.
     pub candidate: Candidate,
@@ -42,23 +43,20 @@ pub struct Proposal {
     allowed: f64,
 }
 
-/// What came of a proposal that held.
-pub struct Union {
+/// What closing a path would come to.
+pub struct Solved {
     /// Half-edges that are closed.
     path: Vec<u32>,
+    /// The union.
     piece: Piece,
-    fit: Fit,
+    /// Its map, if it has one within the bound; `None` where that was known already.
+    found: Option<Option<Fit>>,
 }
 
 impl Proposal {
-    /// `None` where it is plain without a solve that the path cannot be closed. `seam` is the path's
-    /// length times cost.
-    pub fn prepare(
-        work: &Patchwork,
-        candidate: &Candidate,
-        seam: f64,
-        limits: &ChartLimits,
-    ) -> Option<Self> {
+    /// `None` where it is plain without a solve that the path cannot be closed.
+    pub fn prepare(work: &Patchwork, candidate: &Candidate, limits: &ChartLimits) -> Option<Self> {
+        let seam = candidate.cost(work);
         let [a, b] = [candidate.a, candidate.b].map(|c| c as usize);
         if a == b {
             // A slit is closed where its sides all but touch: what is round stays open.
@@ -89,13 +87,13 @@ impl Proposal {
         apart.then_some(Self { candidate, motion: Some(motion), allowed })
     }
 
-    /// Try to close the path.
+    /// What closing the path comes to. Changes nothing.
     pub fn solve(
         &self,
         work: &Patchwork,
         limits: &ChartLimits,
         run: &Run,
-    ) -> Result<Option<Union>, Canceled> {
+    ) -> Result<Solved, Canceled> {
         let (a, b) = (self.candidate.a, self.candidate.b);
         let mut path = self.candidate.path.clone();
         if let Some(motion) = self.motion {
@@ -110,23 +108,53 @@ impl Proposal {
         }
         let glued = |h: u32| work.glued[h as usize] || closed.contains(&h);
         let piece = work.mesh.cut_open_where(faces, glued);
-        let allowed = self.allowed / piece.disk.area();
-        let fit = work.known.fit(&piece, allowed, || {
-            let joined = lay_out(work, &piece, b, self.motion);
-            refine(&piece.disk, joined, allowed, limits, run)
-        })?;
-        Ok(fit.map(|fit| Union { path, piece, fit }))
+        let known = work.known.recall(&piece, self.bound(&piece)).is_some();
+        let found = (!known).then(|| self.flatten(work, &piece, limits, run)).transpose()?;
+        Ok(Solved { path, piece, found })
     }
-}
 
-impl Union {
-    /// The union becomes chart `a` of the candidate.
-    pub fn commit(self, work: &mut Patchwork, candidate: &Candidate) {
-        work.set_glued(&self.path, true);
-        if candidate.a != candidate.b {
-            work.absorb(candidate.a, candidate.b);
+    /// Mean energy that the union may have, minus 1.
+    fn bound(&self, piece: &Piece) -> f64 {
+        self.allowed / piece.disk.area()
+    }
+
+    fn flatten(
+        &self,
+        work: &Patchwork,
+        piece: &Piece,
+        limits: &ChartLimits,
+        run: &Run,
+    ) -> Result<Option<Fit>, Canceled> {
+        let joined = lay_out(work, piece, self.candidate.b, self.motion);
+        refine(&piece.disk, joined, self.bound(piece), limits, run)
+    }
+
+    /// Close the path, if that holds: the union becomes chart `a` of the candidate. Whether it was closed.
+    pub fn decide(
+        &self,
+        solved: Option<Solved>,
+        work: &mut Patchwork,
+        limits: &ChartLimits,
+        run: &Run,
+    ) -> Result<bool, Canceled> {
+        let solved = solved.map_or_else(|| self.solve(work, limits, run), Ok)?;
+        let Solved { path, piece, found } = solved;
+        let bound = self.bound(&piece);
+        // What is known now comes before what was found ahead of the turn.
+        let found = match (work.known.recall(&piece, bound), found) {
+            (Some(known), _) => known,
+            (None, Some(found)) => work.known.note(&piece, bound, found),
+            (None, None) => {
+                work.known.note(&piece, bound, self.flatten(work, &piece, limits, run)?)
+            }
+        };
+        let Some(fit) = &found else { return Ok(false) };
+        work.set_glued(&path, true);
+        if self.candidate.a != self.candidate.b {
+            work.absorb(self.candidate.a, self.candidate.b);
         }
-        work.place(candidate.a, &self.piece, &self.fit);
+        work.place(self.candidate.a, &piece, fit);
+        Ok(true)
     }
 }
 

@@ -5,9 +5,13 @@
 //! counted in faces of the charts taken apart, is done.
 
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
 
 use super::merge::merge;
 use crate::charts::limits::ChartLimits;
+use crate::charts::limits::known::Known;
 use crate::charts::moves::straighten::straighten;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
@@ -20,6 +24,9 @@ const CHARTS: usize = 3;
 /// Tries in a row that gain nothing before it is enough.
 const IDLE: usize = 12;
 
+/// Tries that are made at the same time, at most: most gain nothing, and the next is then what it would have been.
+const AHEAD: usize = 4;
+
 /// Join charts of `work` anew while its objective falls. `patch_of`: the patch of each face; `objective`: what
 /// a patchwork costs; `allowance`: faces that all tries together may take apart.
 pub fn rejoin<'a>(
@@ -31,50 +38,111 @@ pub fn rejoin<'a>(
     run: &Run,
 ) -> Result<Patchwork<'a>, Canceled> {
     let mut reached = objective(&work);
-    let mut idle = 0;
+    let (mut idle, mut round) = (0, 0);
     let mut tried: BTreeSet<Vec<u32>> = BTreeSet::new();
-    for round in 0.. {
-        if idle >= IDLE {
-            break;
-        }
+    while idle < IDLE && !run.skips(Stage::Charts, GaveUp::Joining) {
         run.cancel.check()?;
-        let mut random = Seeded::new(1, round);
-        let Some(charts) = neighbours(&work, &mut random) else { break };
-        let faces: usize = charts.iter().map(|&c| work.faces[c as usize].len()).sum();
-        let Some(left) = allowance.checked_sub(faces) else { break };
-        if run.skips(Stage::Charts, GaveUp::Joining) {
+        let ahead = AHEAD.min(rayon::current_num_threads()) as u64;
+        let tries: Vec<Try> = (round..round + ahead).map_while(|k| Try::draw(&work, k)).collect();
+        if tries.is_empty() {
             break;
         }
-        allowance = left;
-        let mut other = work.clone();
-        let mut apart = Vec::new();
-        for &chart in &charts {
-            let own = other.faces[chart as usize].clone();
-            let inside = |h: u32| {
-                let t = other.mesh.twin[h as usize];
-                other.glued[h as usize] && patch_of[h as usize / 3] == patch_of[t as usize / 3]
+        let made = make_ahead(&tries, &work, patch_of, limits, run)?;
+        for (one, made) in tries.into_iter().zip(made) {
+            let faces: usize = one.charts.iter().map(|&c| work.faces[c as usize].len()).sum();
+            let left = allowance.checked_sub(faces);
+            let Some(left) = left.filter(|_| idle < IDLE) else { return Ok(work) };
+            (allowance, round) = (left, round + 1);
+            // What was found ahead of its turn must be what is found in it.
+            let mut other = match made.filter(|other| work.known.take(&other.known)) {
+                Some(other) => other,
+                None => one.make(work.clone(), patch_of, limits, run)?,
             };
-            let pieces = other.mesh.components(&own, inside);
-            apart.extend(other.divide(chart, pieces));
-        }
-        apart.sort_unstable();
-        let order: Vec<f32> = other.mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
-        merge(&mut other, &apart, Some(&order), limits, run)?;
-        apart.retain(|&c| !other.faces[c as usize].is_empty());
-        let changed = straighten(&mut other, &apart, limits, run)?;
-        if !changed.is_empty() {
-            merge(&mut other, &changed, None, limits, run)?;
-        }
-        let cost = objective(&other);
-        if cost < reached * (1.0 - 1e-9) {
-            (work, reached, idle) = (other, cost, 0);
-            tried.clear();
-        } else {
+            let cost = objective(&other);
+            if cost < reached * (1.0 - 1e-9) {
+                other.known = work.known.clone();
+                (work, reached, idle) = (other, cost, 0);
+                tried.clear();
+                break;
+            }
             // What was tried twice in vain counts double: there is little else to try.
-            idle += 1 + usize::from(!tried.insert(charts));
+            idle += 1 + usize::from(!tried.insert(one.charts));
         }
     }
     Ok(work)
+}
+
+/// Charts that are to be joined anew, and in which order.
+struct Try {
+    /// Ascending.
+    charts: Vec<u32>,
+    random: Seeded,
+}
+
+impl Try {
+    /// `None` where no two charts meet.
+    fn draw(work: &Patchwork, round: u64) -> Option<Self> {
+        let mut random = Seeded::new(1, round);
+        neighbours(work, &mut random).map(|charts| Self { charts, random })
+    }
+
+    /// Take the charts of `work` apart and join them.
+    fn make<'a>(
+        &self,
+        mut work: Patchwork<'a>,
+        patch_of: &[u32],
+        limits: &ChartLimits,
+        run: &Run,
+    ) -> Result<Patchwork<'a>, Canceled> {
+        let mut random = self.random.clone();
+        let mut apart = Vec::new();
+        for &chart in &self.charts {
+            let own = work.faces[chart as usize].clone();
+            let inside = |h: u32| {
+                let t = work.mesh.twin[h as usize];
+                work.glued[h as usize] && patch_of[h as usize / 3] == patch_of[t as usize / 3]
+            };
+            let pieces = work.mesh.components(&own, inside);
+            apart.extend(work.divide(chart, pieces));
+        }
+        apart.sort_unstable();
+        let order: Vec<f32> = work.mesh.twin.iter().map(|_| random.unit_f64() as f32).collect();
+        merge(&mut work, &apart, Some(&order), limits, run)?;
+        apart.retain(|&c| !work.faces[c as usize].is_empty());
+        let changed = straighten(&mut work, &apart, limits, run)?;
+        if !changed.is_empty() {
+            merge(&mut work, &changed, None, limits, run)?;
+        }
+        Ok(work)
+    }
+}
+
+/// Make tries at the same time; none is begun after the first is done. `None` for what was not made.
+fn make_ahead<'a>(
+    tries: &[Try],
+    work: &Patchwork<'a>,
+    patch_of: &[u32],
+    limits: &ChartLimits,
+    run: &Run,
+) -> Result<Vec<Option<Patchwork<'a>>>, Canceled> {
+    let [first, others @ ..] = tries else { return Ok(Vec::new()) };
+    if others.is_empty() {
+        return Ok(vec![None]);
+    }
+    let make = |one: &Try| {
+        let known = Known::fork(&work.known);
+        one.make(Patchwork { known, ..work.clone() }, patch_of, limits, run)
+    };
+    let done = AtomicBool::new(false);
+    let first = || {
+        let made = make(first).map(Some);
+        done.store(true, Ordering::Relaxed);
+        made
+    };
+    let ahead = |one: &Try| (!done.load(Ordering::Relaxed)).then(|| make(one)).transpose();
+    let others = || others.par_iter().with_max_len(1).map(ahead).collect::<Result<Vec<_>, _>>();
+    let (first, others) = rayon::join(first, others);
+    Ok(std::iter::once(first?).chain(others?).collect())
 }
 
 /// Two charts that meet, drawn by the length of their seams, and one beside them; ascending. `None` where no two

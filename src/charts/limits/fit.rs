@@ -11,15 +11,16 @@ use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 /// Descent steps that a trial may take: a union that is far off after these is refused.
 const STEPS: u32 = 6;
 
-/// Times the last decrease that a trial is still hoped to descend.
-const HOPELESS: f64 = 2.0;
+/// Times the decrease that a step promises, or took, that a trial is still hoped to descend. Of 13,279 unions of
+/// 66 objects that took Newton's steps 2,855 came within the bound, 71 of them against this.
+const HOPELESS: f64 = 2.5;
 
-/// Times the bound from where on a union's map is not hoped to descend. Of 3,680 unions above it that were
-/// tried on 31 objects 40 came within the bound, and a fifth of all work went into them.
-const FAR: f64 = 10.0;
+/// Times the bound from where on a union's map is not hoped to descend. Of the 20,441 unions of these objects that
+/// came within the bound 53 started farther off.
+const FAR: f64 = 6.0;
 
 /// A map that fits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The map: injective, scale 1.
     pub uv: UvMap,
@@ -47,17 +48,18 @@ pub fn refine(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let energy = |uv: &UvMap| {
-        let quality = flatten::quality(disk, uv);
-        if quality.flips > 0 { f64::INFINITY } else { quality.mean - 1.0 }
-    };
+    let energy = |uv: &UvMap| flatten::mean_energy(disk, uv) - 1.0;
     let mut warm = flatten::rescale(disk, joined.uv);
     let mut least = energy(&warm);
     if least > bound
         && let Ok(sewn) = flatten::stitch(disk, &joined.frames, &warm)
     {
+        let torn = flatten::misfit(disk, &joined.frames, &sewn);
         let sewn = flatten::rescale(disk, sewn);
         let reached = energy(&sewn);
+        if least.min(reached).is_infinite() && torn > FAR * bound {
+            return Ok(None);
+        }
         if reached < least {
             (warm, least) = (sewn, reached);
         }
@@ -67,7 +69,7 @@ pub fn refine(
         if energy(&start.0) > FAR * bound {
             return Ok(None);
         }
-        return descend(disk, start, bound, limits, run);
+        return descend(disk, None, start, bound, limits, run);
     }
     if least > FAR * bound {
         return Ok(None);
@@ -79,7 +81,7 @@ pub fn refine(
     if !flatten::has_simple_boundary(&border, &warm) {
         return Ok(None);
     }
-    descend(disk, (warm, StartKind::Weld), bound, limits, run)
+    descend(disk, Some(border), (warm, StartKind::Weld), bound, limits, run)
 }
 
 /// The best start map, improved until it is within the bound and proved injective; `None` where that
@@ -90,7 +92,7 @@ pub fn from_scratch(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    descend(disk, start(disk, limits), bound, limits, run)
+    descend(disk, None, start(disk, limits), bound, limits, run)
 }
 
 /// The best start map, and how it was made.
@@ -115,15 +117,17 @@ fn parted(disk: &Disk, border: &Border, uv: &UvMap, limits: &ChartLimits) -> Opt
     limits.pinches.then(|| flatten::parted(disk, border, uv, limits.clearance)).flatten()
 }
 
+/// Improve a map until it is within the bound, and prove it injective. `border`: that of the disk, if it is known.
 fn descend(
     disk: &Disk,
+    border: Option<Border>,
     (mut uv, kind): (UvMap, StartKind),
     bound: f64,
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
-    let mut quality = flatten::quality(disk, &uv);
-    if quality.mean - 1.0 > bound {
+    let mut energy = flatten::mean_energy(disk, &uv) - 1.0;
+    if energy > bound {
         let options = SlimOptions {
             iterations: STEPS,
             target: Some(1.0 + 0.9 * bound),
@@ -133,20 +137,20 @@ fn descend(
             ..Default::default()
         };
         uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
-        quality = flatten::quality(disk, &uv);
+        energy = flatten::mean_energy(disk, &uv) - 1.0;
     }
-    if quality.mean - 1.0 > bound || quality.flips > 0 {
+    // A map with flips has infinite energy.
+    if energy > bound {
         return Ok(None);
     }
-    let border = Border::of(disk);
+    let border = border.unwrap_or_else(|| Border::of(disk));
     if !is_sound_within(&border, disk, &uv, limits.clearance) {
         let Some(parted) = parted(disk, &border, &uv, limits) else { return Ok(None) };
         uv = parted;
-        quality = flatten::quality(disk, &uv);
-        let sound = quality.flips == 0 && is_sound_within(&border, disk, &uv, limits.clearance);
-        if !sound || quality.mean - 1.0 > bound {
+        energy = flatten::mean_energy(disk, &uv) - 1.0;
+        if energy > bound || !is_sound_within(&border, disk, &uv, limits.clearance) {
             return Ok(None);
         }
     }
-    Ok(Some(Fit { uv, energy: quality.mean - 1.0, kind }))
+    Ok(Some(Fit { uv, energy, kind }))
 }

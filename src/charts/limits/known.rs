@@ -4,52 +4,100 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::fit::Fit;
 use crate::charts::part_mesh::Piece;
-use crate::contract::Canceled;
 
 /// A piece: two hashes of its faces and of how they are glued, so that no two pieces are ever taken for one.
 type Key = [u64; 2];
 
 /// What came of a piece.
-#[derive(Debug, Clone)]
-enum Outcome {
-    /// It has this map.
-    Fits(Fit),
-    /// No map was found within this bound.
-    Refused(f64),
+#[derive(Debug, Clone, Default)]
+struct Outcomes {
+    /// Maps, in the order in which they were found.
+    fits: Vec<Fit>,
+    /// The largest bound within which none was found.
+    refused: Option<f64>,
 }
 
-/// Outcomes of the pieces of one component. Pieces that are flattened at the same time have no face in common, so
-/// that what is known does not depend on which of them is done first.
+/// What was found of a piece within a bound.
+type Finding = (Key, f64, Option<Fit>);
+
+/// Outcomes of the pieces of one component. What is tried at the same time is noted afterwards and in order, so
+/// that what is known does not depend on which of them is done first. What was answered once is answered the same
+/// for ever.
 #[derive(Debug, Default)]
-pub struct Known(Mutex<HashMap<Key, Outcome>>);
+pub struct Known {
+    /// What others had found before.
+    before: Option<Arc<Known>>,
+    own: Mutex<Own>,
+}
+
+#[derive(Debug, Default)]
+struct Own {
+    outcomes: HashMap<Key, Outcomes>,
+    /// In the order in which they were noted, if they may have to be told on.
+    findings: Vec<Finding>,
+}
 
 impl Known {
-    /// The map of a piece within `bound` (mean symmetric Dirichlet energy, minus 1), from what is known or from
-    /// `solve`; `None` where it has none.
-    pub fn fit(
-        &self,
-        piece: &Piece,
-        bound: f64,
-        solve: impl FnOnce() -> Result<Option<Fit>, Canceled>,
-    ) -> Result<Option<Fit>, Canceled> {
-        let key = key(piece);
-        match self.lock().get(&key) {
-            Some(Outcome::Fits(fit)) if fit.energy <= bound => return Ok(Some(fit.clone())),
-            Some(Outcome::Refused(refused)) if bound <= *refused => return Ok(None),
-            _ => {}
-        }
-        let found = solve()?;
-        let outcome = found.clone().map_or(Outcome::Refused(bound), Outcome::Fits);
-        self.lock().insert(key, outcome);
-        Ok(found)
+    /// For work that may come to nothing: what is known, and what will be found is kept apart.
+    pub fn fork(known: &Arc<Self>) -> Arc<Self> {
+        Arc::new(Self { before: Some(known.clone()), ..Default::default() })
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Outcome>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// What is known of a piece within `bound` (mean symmetric Dirichlet energy, minus 1): its map, or that it
+    /// has none.
+    pub fn recall(&self, piece: &Piece, bound: f64) -> Option<Option<Fit>> {
+        self.answer(&key(piece), bound)
+    }
+
+    /// Remember what was found within `bound`, and hand it back.
+    pub fn note(&self, piece: &Piece, bound: f64, found: Option<Fit>) -> Option<Fit> {
+        self.remember((key(piece), bound, found.clone()));
+        found
+    }
+
+    /// Remember what was found with a fork, if the fork would have found the same knowing what is known now.
+    /// Whether it would.
+    pub fn take(&self, fork: &Self) -> bool {
+        let findings = std::mem::take(&mut fork.lock().findings);
+        let same = |(key, bound, found): &Finding| {
+            self.answer(key, *bound).is_none_or(|answer| answer == *found)
+        };
+        let all = findings.iter().all(same);
+        if all {
+            findings.into_iter().for_each(|finding| self.remember(finding));
+        }
+        all
+    }
+
+    fn answer(&self, key: &Key, bound: f64) -> Option<Option<Fit>> {
+        let before = self.before.as_ref().and_then(|before| before.answer(key, bound));
+        before.or_else(|| {
+            let own = self.lock();
+            let Outcomes { fits, refused } = own.outcomes.get(key)?;
+            let fit = fits.iter().find(|fit| fit.energy <= bound).cloned().map(Some);
+            fit.or_else(|| refused.is_some_and(|refused| bound <= refused).then_some(None))
+        })
+    }
+
+    fn remember(&self, finding: Finding) {
+        let mut own = self.lock();
+        if self.before.is_some() {
+            own.findings.push(finding.clone());
+        }
+        let (key, bound, found) = finding;
+        let outcomes = own.outcomes.entry(key).or_default();
+        match found {
+            Some(fit) => outcomes.fits.push(fit),
+            None => outcomes.refused = Some(outcomes.refused.map_or(bound, |r| r.max(bound))),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Own> {
+        self.own.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -83,10 +131,11 @@ mod tests {
             let kind = StartKind::Weld;
             let solve = || {
                 asked.set(asked.get() + 1);
-                Ok(energy.map(|energy| Fit { uv: Vec::new(), energy, kind }))
+                energy.map(|energy| Fit { uv: Vec::new(), energy, kind })
             };
-            let found = known.fit(piece, bound, solve).unwrap().map(|fit| fit.energy);
-            (found, asked.get())
+            let found = known.recall(piece, bound);
+            let found = found.unwrap_or_else(|| known.note(piece, bound, solve()));
+            (found.map(|fit| fit.energy), asked.get())
         };
         let [a, b] = [piece(vec![0, 1, 2, 3]), piece(vec![0, 1, 2, 4])];
         assert_eq!(ask(&a, 0.1, None), (None, 1));
@@ -94,6 +143,7 @@ mod tests {
         assert_eq!(ask(&a, 0.2, Some(0.15)), (Some(0.15), 2), "a larger one may be kept");
         assert_eq!(ask(&a, 0.15, None), (Some(0.15), 2));
         assert_eq!(ask(&a, 0.1, None), (None, 3), "a map outside of the bound does not serve");
+        assert_eq!(ask(&a, 0.2, None), (Some(0.15), 3), "nor does its refusal undo it");
         assert_eq!(ask(&b, 0.1, Some(0.1)), (Some(0.1), 4), "other faces are another piece");
         let cut = Piece { disk: samples::plane(1, 2, 1.0, 2.0).0, ..piece(a.faces.clone()) };
         assert_eq!(
@@ -101,5 +151,26 @@ mod tests {
             (None, 5),
             "so are the same ones that are glued otherwise"
         );
+    }
+
+    #[test]
+    fn what_a_fork_finds_is_taken_if_it_would_find_it_again() {
+        let kind = StartKind::Weld;
+        let fit = |energy: f64| Some(Fit { uv: Vec::new(), energy, kind });
+        let [a, b] = [piece(vec![0, 1, 2, 3]), piece(vec![0, 1, 2, 4])];
+        let known = Arc::new(Known::default());
+        known.note(&a, 0.1, None);
+        let [first, second, third] = [(); 3].map(|()| Known::fork(&known));
+        assert_eq!(second.recall(&a, 0.1), Some(None), "a fork knows what was known before");
+        first.note(&b, 0.1, fit(0.02));
+        assert_eq!(known.recall(&b, 0.1), None, "what it finds is its own");
+        second.note(&b, 0.1, fit(0.03));
+        third.note(&b, 0.1, fit(0.02));
+        third.note(&a, 0.3, None);
+        assert!(known.take(&first));
+        assert!(!known.take(&second), "another map than what is known now");
+        assert!(known.take(&third));
+        assert_eq!(known.recall(&b, 0.1).flatten().map(|fit| fit.energy), Some(0.02));
+        assert_eq!(known.recall(&a, 0.3), Some(None));
     }
 }

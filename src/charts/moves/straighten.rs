@@ -5,6 +5,7 @@
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -252,10 +253,24 @@ impl Move {
         theirs.sort_unstable();
         let (rotation, shift) = self.motion;
         let back = (rotation.transpose(), -(rotation.transpose() * shift));
-        let Some(ours) = self.sew(work, ours, b, self.motion, limits, run)? else {
-            return Ok(None);
+        // The second is not needed where the first has no map.
+        let missed = AtomicBool::new(false);
+        let first = || {
+            let sewn = self.sew(work, ours, b, self.motion, limits, run)?;
+            missed.store(sewn.1.is_none(), Ordering::Relaxed);
+            Ok(sewn)
         };
-        let new = self.sew(work, theirs, a, back, limits, run)?.map(|theirs| [ours, theirs]);
+        let second = || {
+            let needed = !missed.load(Ordering::Relaxed);
+            needed.then(|| self.sew(work, theirs, a, back, limits, run)).transpose()
+        };
+        let (ours, theirs) = rayon::join(first, second);
+        let (ours, theirs) = (ours?, theirs?);
+        // What is moved at the same time has no face in common.
+        let note = |(piece, found): (Piece, Option<Fit>)| {
+            work.known.note(&piece, limits.bound, found).map(|fit| (piece, fit))
+        };
+        let new = note(ours).zip(theirs).and_then(|(ours, theirs)| Some([ours, note(theirs)?]));
         let spent = |new: &[(Piece, Fit); 2]| -> f64 {
             new.iter().map(|(piece, fit)| fit.energy * piece.disk.area()).sum()
         };
@@ -263,7 +278,7 @@ impl Move {
         Ok(new.filter(|new| spent(new) < before + limits.worth * self.deal.saved))
     }
 
-    /// Faces of the two charts as one, those of chart `moved` moved to it.
+    /// Faces of the two charts as one, those of chart `moved` moved to it, and what came of it.
     fn sew(
         &self,
         work: &Patchwork,
@@ -272,14 +287,17 @@ impl Move {
         motion: Motion,
         limits: &ChartLimits,
         run: &Run,
-    ) -> Result<Option<(Piece, Fit)>, Canceled> {
+    ) -> Result<(Piece, Option<Fit>), Canceled> {
         let glued = |h: u32| work.glued[h as usize] != self.toggled.contains(&h);
         let piece = work.mesh.cut_open_where(faces, glued);
-        let fit = work.known.fit(&piece, limits.bound, || {
-            let joined = lay_out(work, &piece, moved, Some(motion));
-            refine(&piece.disk, joined, limits.bound, limits, run)
-        })?;
-        Ok(fit.map(|fit| (piece, fit)))
+        let found = match work.known.recall(&piece, limits.bound) {
+            Some(known) => known,
+            None => {
+                let joined = lay_out(work, &piece, moved, Some(motion));
+                refine(&piece.disk, joined, limits.bound, limits, run)?
+            }
+        };
+        Ok((piece, found))
     }
 
     /// The two charts become the new ones.

@@ -1,5 +1,7 @@
 //! Clouds as the network sees them, and their tensors.
 
+use std::ops::Range;
+
 use burn::tensor::{Tensor, TensorData};
 
 use super::config::PointMaeConfig;
@@ -46,6 +48,15 @@ impl NetworkCloud {
             *p = std::array::from_fn(|k| (p[k] - middle[k]) * scale);
         }
         self.thickness.iter_mut().for_each(|t| *t *= scale);
+    }
+
+    /// Some of the points.
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        Self {
+            positions: self.positions[range.clone()].to_vec(),
+            normals: self.normals[range.clone()].to_vec(),
+            thickness: self.thickness[range].to_vec(),
+        }
     }
 
     /// The channels of a point; its position relative to `origin`.

@@ -26,6 +26,15 @@ pub struct PointFeatures {
     pub names: Tensor<3>,
 }
 
+/// What the encoder says of clouds, ready to be interpolated.
+#[derive(Debug, Clone)]
+pub struct Tokens {
+    /// Of each group: `[batch, groups, head]`.
+    each: Tensor<3>,
+    /// Of the whole cloud: `[batch, 1, head]`.
+    whole: Tensor<3>,
+}
+
 /// Propagation and the two heads.
 #[derive(Module, Debug)]
 pub struct Head {
@@ -55,20 +64,26 @@ impl Head {
         }
     }
 
-    /// `taps`: outputs of the encoder, each `[batch, groups, width]`. `points`: `[batch, points,
-    /// channels]`. `interpolation`: `[batch, points, groups]`, rows summing to 1.
+    /// `taps`: outputs of the encoder, each `[batch, groups, width]`.
+    pub fn tokens(&self, taps: Vec<Tensor<3>>, device: &Device) -> Tokens {
+        let each = dense(Tensor::cat(taps, 2), &self.mix, Activation::Linear, device);
+        let whole = dense(each.clone().max_dim(1), &self.global, Activation::Linear, device);
+        Tokens { each, whole }
+    }
+
+    /// `points`: `[batch, points, channels]`. `interpolation`: `[batch, points, groups]`, rows summing
+    /// to 1.
     pub fn forward(
         &self,
-        taps: Vec<Tensor<3>>,
+        tokens: &Tokens,
         points: Tensor<3>,
         interpolation: Tensor<3>,
         device: &Device,
     ) -> PointFeatures {
-        let tokens = dense(Tensor::cat(taps, 2), &self.mix, Activation::Linear, device);
-        let whole = dense(tokens.clone().max_dim(1), &self.global, Activation::Linear, device);
+        let Tokens { each, whole } = tokens.clone();
         let local = dense(points, &self.local_1, Activation::Gelu, device);
         let local = dense(local, &self.local_2, Activation::Linear, device);
-        let x = relu(interpolation.matmul(tokens) + local + whole);
+        let x = relu(interpolation.matmul(each) + local + whole);
         let x = dense(x, &self.hidden, Activation::Gelu, device);
         let part = dense(x.clone(), &self.part_hidden, Activation::Gelu, device);
         PointFeatures {

@@ -6,7 +6,7 @@ use burn::tensor::Tensor;
 use super::cloud::{Grouped, NetworkCloud, grouped, queries};
 use super::config::PointMaeConfig;
 use super::embedding::{Embedding, Position};
-use super::head::{Head, PointFeatures};
+use super::head::{Head, PointFeatures, Tokens};
 use super::layer::Maker;
 use super::pairs::PairHead;
 use super::transformer::Transformer;
@@ -37,6 +37,13 @@ impl Encoder {
         let position = self.position.forward(groups.centres.clone(), device);
         (tokens.reshape([batch, count, width]), position)
     }
+}
+
+/// Clouds that were looked at.
+#[derive(Debug)]
+pub struct Sight {
+    groups: Grouped,
+    tokens: Tokens,
 }
 
 /// Point-MAE for part segmentation.
@@ -76,10 +83,33 @@ impl PointMae {
         device: &Device,
         tensors: &burn::tensor::Device,
     ) -> PointFeatures {
-        let groups = grouped(seen, config, tensors);
+        self.ask(config, &self.look(config, seen, device, tensors), points, device, tensors)
+    }
+
+    /// Clouds as the encoder sees them.
+    pub fn look(
+        &self,
+        config: &PointMaeConfig,
+        clouds: &[NetworkCloud],
+        device: &Device,
+        tensors: &burn::tensor::Device,
+    ) -> Sight {
+        let groups = grouped(clouds, config, tensors);
         let (tokens, position) = self.encoder.tokens(&groups, device);
         let taps = self.encoder.transformer.forward(tokens, position, &config.taps, device);
-        let (points, interpolation) = queries(points, &groups, config, tensors);
-        self.head.forward(taps, points, interpolation, device)
+        Sight { tokens: self.head.tokens(taps, device), groups }
+    }
+
+    /// Features at `points` (equally many a cloud) of clouds that were looked at.
+    pub fn ask(
+        &self,
+        config: &PointMaeConfig,
+        sight: &Sight,
+        points: &[NetworkCloud],
+        device: &Device,
+        tensors: &burn::tensor::Device,
+    ) -> PointFeatures {
+        let (points, interpolation) = queries(points, &sight.groups, config, tensors);
+        self.head.forward(&sight.tokens, points, interpolation, device)
     }
 }

@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 
+use burn::tensor::Tensor;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -22,6 +23,9 @@ const QUERIES: usize = 16_384;
 /// … and on a surface of few faces so many a face, but not fewer than these.
 const QUERIES_A_FACE: usize = 2;
 const LEAST_QUERIES: usize = 4_096;
+
+/// Places that a processor asks about at a time.
+const BLOCK: usize = 1024;
 
 /// Attitudes in which the object is shown: which way is up is not known.
 const POSES: usize = 3;
@@ -77,14 +81,21 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     evidence.names = vec![0.0; faces * NAMES.len()];
     run.advance(BEFORE_POSES);
     let steps = run.steps(POSES, BEFORE_POSES, POSES_DONE);
+    // The processor asks few at a time, so that what comes between stays in its cache.
+    let block = if device.kind() == DeviceKind::Cpu { BLOCK } else { QUERIES };
     let hear = |pose: usize| {
         run.cancel.check()?;
         let (shown, asked_places) = (turned(&whole, pose), turned(&places, pose));
         let tensors = device.burn();
-        let features = model.forward(config, &[shown], &[asked_places], device, &tensors);
-        let part: Vec<f32> = features.part.into_data().try_into_vec().unwrap_or_default();
-        let logits = burn::tensor::activation::softmax(features.names, 2);
-        let names: Vec<f32> = logits.into_data().try_into_vec().unwrap_or_default();
+        let sight = model.look(config, &[shown], device, &tensors);
+        let (mut part, mut names) = (Vec::new(), Vec::new());
+        for first in (0..asked_places.len()).step_by(block) {
+            let some = asked_places.slice(first..asked_places.len().min(first + block));
+            let features = model.ask(config, &sight, &[some], device, &tensors);
+            let shares = burn::tensor::activation::softmax(features.names, 2);
+            part.extend(values(features.part));
+            names.extend(values(shares));
+        }
         let part = on_faces(faces, &asked, &part, config.part, &fill);
         let names = on_faces(faces, &asked, &names, NAMES.len(), &fill);
         steps.step();
@@ -106,6 +117,10 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
         sum.for_each(|(sum, name)| *sum += name / POSES as f32);
     }
     Ok(evidence)
+}
+
+fn values(tensor: Tensor<3>) -> Vec<f32> {
+    tensor.into_data().try_into_vec().unwrap_or_default()
 }
 
 /// Points at which to ask, spread over the cloud of a surface of so many faces.
