@@ -256,3 +256,32 @@ fn a_seam_that_was_there_before_is_taken_again() {
         }
     }
 }
+
+/// A ring with waves around it.
+fn wavy_ring(around: u32, across: u32) -> Surface {
+    let at = |i: u32, k: u32| (i % around) * across + k % across;
+    let positions = (0..around * across).map(|v| {
+        let turn = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+        let (u, v) = (turn(v / across, around), turn(v % across, across));
+        let radius = 0.3 + 0.08 * (5.0 * u).sin() * (2.0 * v).cos();
+        let out = DVec2::from_angle(u) * (1.0 + radius * v.cos());
+        out.extend(radius * v.sin())
+    });
+    let cells = (0..around).flat_map(|i| (0..across).map(move |k| (i, k)));
+    let quad = |(i, k)| [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+    quads(positions.collect(), &cells.map(quad).collect::<Vec<_>>())
+}
+
+#[test]
+fn what_is_solved_ahead_of_its_turn_changes_nothing() {
+    let surface = wavy_ring(40, 18);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| cut(&surface, 0.02))
+    };
+    let alone = with(1);
+    assert!(alone.len() > 2, "{}", alone.len());
+    for threads in [2, 3, 7] {
+        assert!(with(threads) == alone, "{threads} threads");
+    }
+}

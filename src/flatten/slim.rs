@@ -333,6 +333,11 @@ mod tests {
         let target = SlimOptions { target: Some(1.05), ..Default::default() };
         let slim = Slim::descend(&disk, &start, &target, &Cancel::default()).unwrap();
         assert!(slim.converged && *slim.energies.last().unwrap() <= 1.05);
+        // Near the optimum no step promises to come to an isometry.
+        let near = run(&disk, &start, 12).uv;
+        let hopeless = SlimOptions { give_up: Some(2.5), newton: true, ..Default::default() };
+        let slim = Slim::descend(&disk, &near, &hopeless, &Cancel::default()).unwrap();
+        assert!(!slim.converged && slim.energies.len() == 1, "{:?}", slim.energies);
         let cancel = Cancel::default();
         cancel.cancel();
         assert_eq!(Slim::descend(&disk, &start, &target, &cancel), Err(Canceled));

@@ -75,6 +75,7 @@ mod tests {
         let found = stitch(&disk, &frames, &uv).unwrap();
         let far = found.iter().zip(&uv).map(|(p, q)| p.distance(*q)).fold(0.0, f64::max);
         assert!(far < 1e-9, "{far}");
+        assert!(misfit(&disk, &frames, &found) < 1e-18);
     }
 
     #[test]
@@ -94,5 +95,8 @@ mod tests {
         let quality = crate::flatten::quality(&disk, &found);
         assert_eq!(quality.flips, 0);
         assert!(quality.mean - 1.0 < 1e-3, "{}", quality.mean);
+        // One half is turned by 0.05: ‖R − I‖² = 2 · 0.05², and halfway between is half as far from each.
+        let bent = misfit(&disk, &turned, &found);
+        assert!(bent > 1e-5 && bent < 0.5 * 2.0 * 0.05f64.powi(2), "{bent}");
     }
 }

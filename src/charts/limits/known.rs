@@ -142,7 +142,8 @@ mod tests {
         assert_eq!(ask(&a, 0.05, Some(0.0)), (None, 1), "a smaller bound is refused, too");
         assert_eq!(ask(&a, 0.2, Some(0.15)), (Some(0.15), 2), "a larger one may be kept");
         assert_eq!(ask(&a, 0.15, None), (Some(0.15), 2));
-        assert_eq!(ask(&a, 0.1, None), (None, 3), "a map outside of the bound does not serve");
+        assert_eq!(ask(&a, 0.1, None), (None, 2), "the refusal stands");
+        assert_eq!(ask(&a, 0.12, None), (None, 3), "a map outside of the bound does not serve");
         assert_eq!(ask(&a, 0.2, None), (Some(0.15), 3), "nor does its refusal undo it");
         assert_eq!(ask(&b, 0.1, Some(0.1)), (Some(0.1), 4), "other faces are another piece");
         let cut = Piece { disk: samples::plane(1, 2, 1.0, 2.0).0, ..piece(a.faces.clone()) };
