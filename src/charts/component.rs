@@ -1,8 +1,7 @@
 //! One connected component of a part joined to charts (docs/method.md, 4.4 to 4.6): what the joining starts
 //! from, rounds of joining charts and moving their seams, and other orders.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
+use super::ahead::beside;
 use super::joins::merge::merge;
 use super::joins::rejoin::rejoin;
 use super::limits::ChartLimits;
@@ -96,15 +95,10 @@ impl<'a> Joiner<'a> {
             let strips = swept(mesh, limits, run)?;
             (!strips.is_empty()).then(|| begun(&strips)).transpose()
         };
-        // A thread that has nothing else to do begins with the strips.
-        let done = AtomicBool::new(!sides.is_empty());
-        let patches = || {
-            let patches = begun(sides);
-            done.store(true, Ordering::Relaxed);
-            patches
+        let early = |is_late: &(dyn Fn() -> bool + Sync)| {
+            (sides.is_empty() && !is_late()).then(strips).transpose()
         };
-        let early = || (!done.load(Ordering::Relaxed)).then(strips).transpose();
-        let (patches, early) = rayon::join(patches, early);
+        let (patches, early) = beside(|| begun(sides), early);
         let (mut best, early) = (patches?, early?);
         let better =
             |other: &Patchwork, than: &Patchwork| balance(other, limits) < balance(than, limits);

@@ -118,12 +118,11 @@ pub fn mean_energy(disk: &Disk, uv: &[DVec2]) -> f64 {
     let square = scale(disk, uv).powi(2);
     let (forward, inverse) = dirichlet_sums(disk, uv);
     let mean = 0.25 * (forward / square + inverse * square);
-    match disk.area() > 0.0 {
-        // An overflow in a hopeless triangle must not read as a number that can be compared.
-        true if mean.is_nan() => f64::INFINITY,
-        true => mean,
-        false => 1.0,
+    if disk.area() <= 0.0 {
+        return 1.0;
     }
+    // An overflow in a hopeless triangle must not read as a number that can be compared.
+    if mean.is_nan() { f64::INFINITY } else { mean }
 }
 
 /// Measure a map. A disk without area is an isometry.

@@ -4,12 +4,11 @@
 //! doi:10.1007/3-540-49481-2_30). Tries end when the last ones gained nothing, or the work that is allowed them,
 //! counted in faces of the charts taken apart, is done.
 
-use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 use super::merge::merge;
+use crate::charts::ahead::beside;
 use crate::charts::limits::ChartLimits;
 use crate::charts::limits::known::Known;
 use crate::charts::moves::straighten::straighten;
@@ -133,16 +132,12 @@ fn make_ahead<'a>(
         let known = Known::fork(&work.known);
         one.make(Patchwork { known, ..work.clone() }, patch_of, limits, run)
     };
-    let done = AtomicBool::new(false);
-    let first = || {
-        let made = make(first).map(Some);
-        done.store(true, Ordering::Relaxed);
-        made
+    let ahead = |is_late: &(dyn Fn() -> bool + Sync)| {
+        let make = |one: &Try| (!is_late()).then(|| make(one)).transpose();
+        others.par_iter().with_max_len(1).map(make).collect::<Result<Vec<_>, _>>()
     };
-    let ahead = |one: &Try| (!done.load(Ordering::Relaxed)).then(|| make(one)).transpose();
-    let others = || others.par_iter().with_max_len(1).map(ahead).collect::<Result<Vec<_>, _>>();
-    let (first, others) = rayon::join(first, others);
-    Ok(std::iter::once(first?).chain(others?).collect())
+    let (first, others) = beside(|| make(first), ahead);
+    Ok(std::iter::once(Some(first?)).chain(others?).collect())
 }
 
 /// Two charts that meet, drawn by the length of their seams, and one beside them; ascending. `None` where no two

@@ -78,8 +78,11 @@ impl Known {
         before.or_else(|| {
             let own = self.lock();
             let Outcomes { fits, refused } = own.outcomes.get(key)?;
-            let fit = fits.iter().find(|fit| fit.energy <= bound).cloned().map(Some);
-            fit.or_else(|| refused.is_some_and(|refused| bound <= refused).then_some(None))
+            // What was refused stays so, also where a wider bound came upon a map within this one.
+            if refused.is_some_and(|refused| bound <= refused) {
+                return Some(None);
+            }
+            fits.iter().find(|fit| fit.energy <= bound).cloned().map(Some)
         })
     }
 
@@ -152,6 +155,10 @@ mod tests {
             (None, 5),
             "so are the same ones that are glued otherwise"
         );
+        let c = piece(vec![0, 1, 2, 5]);
+        assert_eq!(ask(&c, 0.1, None), (None, 6));
+        assert_eq!(ask(&c, 0.2, Some(0.08)), (Some(0.08), 7));
+        assert_eq!(ask(&c, 0.1, None), (None, 7), "one answer for ever");
     }
 
     #[test]
