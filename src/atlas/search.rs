@@ -247,6 +247,7 @@ impl<'a> Search<'a> {
             for (density, trial) in trials {
                 let Trial { left, spots, work } = trial?;
                 self.work += work;
+                self.run.count(work as usize);
                 if left == 0.0 {
                     fit = Some(Layout { density, spots });
                 }
@@ -312,7 +313,9 @@ impl<'a> Search<'a> {
         let trials: Vec<Result<Trial, Canceled>> =
             all.par_iter().map(|a| self.trial(a, scaled, most)).collect();
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
-        self.work += trials.iter().map(|t| t.work).sum::<u64>();
+        let work: u64 = trials.iter().map(|t| t.work).sum();
+        self.work += work;
+        self.run.count(work as usize);
         self.run.advance(self.work as f64 / self.effort.work as f64);
         Ok(trials)
     }

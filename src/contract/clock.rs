@@ -8,12 +8,21 @@ use super::{Cost, Stage, StageCost};
 /// Length of the kernel's clock tick as user space sees it (USER_HZ is 100 on every Linux).
 const TICK_S: f64 = 0.01;
 
+/// The stage that runs.
+#[derive(Debug)]
+struct Running {
+    stage: Stage,
+    begun: Instant,
+    begun_cpu: f64,
+    work: u64,
+}
+
 /// Runs while the pipeline runs.
 #[derive(Debug)]
 pub struct Clock {
     begun: Instant,
     begun_cpu: f64,
-    current: Option<(Stage, Instant, f64)>,
+    current: Option<Running>,
     stages: Vec<StageCost>,
 }
 
@@ -26,19 +35,30 @@ impl Clock {
     /// End the stage that runs and begin another.
     pub fn stage(&mut self, stage: Stage) {
         self.end_stage();
-        self.current = Some((stage, Instant::now(), cpu_seconds()));
+        let (begun, begun_cpu) = (Instant::now(), cpu_seconds());
+        self.current = Some(Running { stage, begun, begun_cpu, work: 0 });
+    }
+
+    /// Count work of the stage that runs.
+    pub fn count(&mut self, work: u64) {
+        if let Some(running) = &mut self.current {
+            running.work = running.work.saturating_add(work);
+        }
     }
 
     fn end_stage(&mut self) {
-        if let Some((stage, wall, cpu)) = self.current.take() {
-            let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
-            // A stage that the pipeline comes back to is one row.
-            match self.stages.iter_mut().find(|s| s.name == stage.as_str()) {
-                Some(row) => {
-                    row.wall_s += wall_s;
-                    row.cpu_s += cpu_s;
-                }
-                None => self.stages.push(StageCost { name: stage.as_str().into(), wall_s, cpu_s }),
+        let Some(Running { stage, begun, begun_cpu, work }) = self.current.take() else { return };
+        let (wall_s, cpu_s) = (begun.elapsed().as_secs_f64(), cpu_seconds() - begun_cpu);
+        // A stage that the pipeline comes back to is one row.
+        match self.stages.iter_mut().find(|s| s.name == stage.as_str()) {
+            Some(row) => {
+                row.wall_s += wall_s;
+                row.cpu_s += cpu_s;
+                row.work += work;
+            }
+            None => {
+                let (name, unit) = (stage.as_str().into(), stage.unit().into());
+                self.stages.push(StageCost { name, wall_s, cpu_s, work, unit });
             }
         }
     }
@@ -103,14 +123,19 @@ mod tests {
     fn a_stage_that_is_come_back_to_costs_the_sum() {
         let mut clock = Clock::new();
         let wait = || std::thread::sleep(std::time::Duration::from_millis(20));
+        clock.count(7);
         for stage in [Stage::Polish, Stage::Pack, Stage::Polish] {
             clock.stage(stage);
+            clock.count(3);
             wait();
         }
         let cost = clock.cost(0, "none");
         let [polish, pack] = &cost.stages[..] else { panic!("{:?}", cost.stages) };
         assert!(polish.wall_s >= 0.04 && pack.wall_s >= 0.02, "{cost:?}");
         assert!(polish.wall_s + pack.wall_s <= cost.wall_s, "{cost:?}");
+        // What is counted before the first stage belongs to none.
+        assert_eq!((polish.work, pack.work), (6, 3));
+        assert_eq!(polish.unit, Stage::Polish.unit());
     }
 
     /// A program's name may hold what separates the fields.

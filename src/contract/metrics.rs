@@ -231,8 +231,12 @@ pub struct StageCost {
     pub name: String,
     /// Wall-clock seconds.
     pub wall_s: f64,
-    /// CPU seconds over all threads.
+    /// CPU seconds over all threads of the process.
     pub cpu_s: f64,
+    /// Work that was counted, begun ahead of its turn or not: in `unit`.
+    pub work: u64,
+    /// What the work is counted in.
+    pub unit: String,
 }
 
 /// What the job cost. The one part of the metrics that differs from run to run.

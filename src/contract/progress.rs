@@ -69,6 +69,20 @@ impl Stage {
         }
     }
 
+    /// What its work is counted in.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Stage::Import | Stage::Condition | Stage::Measure => "triangles",
+            Stage::Sample => "points",
+            Stage::Segment => "places looked at",
+            Stage::Charts | Stage::Polish => "faces flattened",
+            Stage::Train => "points trained on",
+            Stage::Pack => "words of masks compared",
+            Stage::Preview => "pixels",
+            Stage::Export => "bytes",
+        }
+    }
+
     /// Share of the job's wall clock by which the stage should be over, where the job was given a time: a
     /// stage that is later takes its cheaper form, so that those behind it get theirs.
     pub fn deadline(self) -> f64 {

@@ -129,6 +129,11 @@ impl Run {
         }
     }
 
+    /// Count work that the present stage did, from any thread, in its unit ([`Stage::unit`]).
+    pub fn count(&self, work: usize) {
+        self.clock().count(work as u64);
+    }
+
     /// Count steps of the present stage, from any thread: `total` of them take it from `from` to `to`.
     pub fn steps(&self, total: usize, from: f64, to: f64) -> Steps<'_> {
         Steps { run: self, done: AtomicUsize::new(0), total: total.max(1), from, to }

@@ -98,6 +98,7 @@ pub fn trained(
     } else {
         parameterization::train(&inputs, &how, &engine.device, run, &mut told)?
     };
+    run.count(results.iter().map(|net| net.steps as usize * how.points).sum());
     drop(inputs);
     let mut trained: BTreeMap<usize, TrainedChart> = chosen.into_iter().zip(results).collect();
     run.parts(parts, parts);
@@ -207,6 +208,7 @@ fn polish(
 }
 
 fn descend(disk: &Disk, from: &UvMap, run: &Run) -> Result<UvMap, Canceled> {
+    run.count(disk.triangles.len());
     let excess = disk.triangles.len().div_ceil(STEPS_FACES).max(1) as u32;
     let options = SlimOptions { iterations: (STEPS / excess).max(2), ..Default::default() };
     flatten::slim(disk, from, &options, &run.cancel)

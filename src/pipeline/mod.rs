@@ -83,6 +83,7 @@ fn import(input: &Input, limits: &Limits, run: &Run) -> Result<Scene, Cause> {
         let labels = mesh::import::parse_labels(labels, scene.face_count());
         scene.labels = Some(labels.map_err(Cause::Labels)?);
     }
+    run.count(scene.face_count());
     for warning in &scene.warnings {
         run.tell(Progress::Warning(warning.clone()));
     }

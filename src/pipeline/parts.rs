@@ -100,6 +100,7 @@ pub fn find(
 ) -> Result<(Found, Solvers), Cause> {
     run.stage(Stage::Condition)?;
     let Conditioned { surface, telling } = mesh::condition(scene, options.winding, run)?;
+    run.count(surface.face_count());
     let surface = Arc::new(surface);
     check_area(scene, &surface)?;
     if options.winding == Winding::File {
@@ -113,6 +114,7 @@ pub fn find(
     run.stage(Stage::Sample)?;
     let counts = SampleCounts::dense(seen.face_count());
     let cloud = sampling::sample(&seen, counts, options.seed.0, run)?;
+    run.count(cloud.len());
     run.stage(Stage::Segment)?;
     let asked = SegmentOptions::from(options);
     let how = affordable(asked, &seen, run);

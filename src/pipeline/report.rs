@@ -50,6 +50,7 @@ pub fn whole(
         ..measured(found, &faces, finished.charts.len())
     };
     let figures = metrics::measure(&measured, run)?;
+    run.count(found.surface.face_count());
     let owned = finished.certificates.delivered
         * f64::from(options.page_size).powi(2)
         * f64::from(finished.pages);
@@ -70,6 +71,7 @@ pub fn whole(
     run.stage(Stage::Export)?;
     let extras = extras::block(found, &faces.chart_of);
     let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&json::value(&extras)?))?;
+    run.count(glb.len());
     let steps = finished.charts.iter().map(|c| c.steps).max().unwrap_or(0);
     let enlarged_faces = finished.charts.iter().filter(|c| c.enlarged).count() as u64;
     let atlas = AtlasMetrics {

@@ -48,6 +48,7 @@ pub fn refine(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
+    run.count(disk.triangles.len());
     let energy = |uv: &UvMap| flatten::mean_energy(disk, uv) - 1.0;
     let mut warm = flatten::rescale(disk, joined.uv);
     let mut least = energy(&warm);
@@ -92,6 +93,7 @@ pub fn from_scratch(
     limits: &ChartLimits,
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
+    run.count(disk.triangles.len());
     descend(disk, None, start(disk, limits), bound, limits, run)
 }
 

@@ -57,6 +57,7 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     }
     let faces = surface.face_count();
     let asked = cloud.subset(&spread(cloud, faces));
+    run.count(asked.positions.len());
     let rays = Rays::new(surface);
     let shown = || network.map(|_| farthest_points(cloud, NETWORK_POINTS, run)).transpose();
     let (through, shown) =
