@@ -20,6 +20,8 @@ pub(super) struct Camera {
     distance: f64,
     /// Pixels a unit of (x/depth).
     zoom: f64,
+    /// Its inverse.
+    unit: f64,
     /// Pixel of the optical axis.
     middle: (f64, f64),
 }
@@ -44,8 +46,8 @@ impl Camera {
         let center = 0.5 * (low + high);
         let radius = (0.5 * low.distance(high)).max(f64::MIN_POSITIVE);
         let turn = DMat3::from_rotation_x(PITCH) * DMat3::from_rotation_y(-YAW);
-        let mut camera =
-            Self { center, turn, distance: DISTANCE * radius, zoom: 1.0, middle: (0.0, 0.0) };
+        let distance = DISTANCE * radius;
+        let mut camera = Self { center, turn, distance, zoom: 1.0, unit: 1.0, middle: (0.0, 0.0) };
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut bottom, mut top) = (f64::INFINITY, f64::NEG_INFINITY);
         for p in points {
@@ -57,6 +59,7 @@ impl Camera {
         let extent = (right - left).max(top - bottom).max(1e-9);
         let half = 0.5 * size as f64;
         camera.zoom = size as f64 * (1.0 - 2.0 * MARGIN) / extent;
+        camera.unit = 1.0 / camera.zoom;
         camera.middle =
             (half - camera.zoom * 0.5 * (left + right), half + camera.zoom * 0.5 * (bottom + top));
         Some(camera)
@@ -84,8 +87,9 @@ impl Camera {
     /// The point in camera space that is seen at a pixel.
     pub(super) fn unsee(&self, at: Vec2, nearness: f32) -> glam::Vec3 {
         let depth = 1.0 / f64::from(nearness);
-        let x = (f64::from(at.x) - self.middle.0) / self.zoom * depth;
-        let y = (self.middle.1 - f64::from(at.y)) / self.zoom * depth;
+        let scale = depth * self.unit;
+        let x = (f64::from(at.x) - self.middle.0) * scale;
+        let y = (self.middle.1 - f64::from(at.y)) * scale;
         DVec3::new(x, y, -depth).as_vec3()
     }
 

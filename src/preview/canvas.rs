@@ -14,7 +14,7 @@ pub(super) struct Canvas {
 impl Canvas {
     /// A canvas that fades from `top` to `bottom`.
     pub(super) fn gradient(width: usize, height: usize, top: Vec3, bottom: Vec3) -> Self {
-        let row = |y: usize| top.lerp(bottom, y as f32 / height.max(2) as f32);
+        let row = |y: usize| fade([top, bottom], y, height);
         let pixels = (0..height).flat_map(|y| std::iter::repeat_n(row(y), width)).collect();
         Self { width, height, pixels }
     }
@@ -55,6 +55,11 @@ impl Canvas {
             }
         }
     }
+}
+
+/// Row `y` of `height` that fade from the first colour to the second.
+pub(super) fn fade([top, bottom]: [Vec3; 2], y: usize, height: usize) -> Vec3 {
+    top.lerp(bottom, y as f32 / height.max(2) as f32)
 }
 
 /// The pixels of each row in `first..last` whose centres a triangle covers; rows no wider than

@@ -41,9 +41,31 @@ impl Tint {
     /// The colour at a point: `uv` in squares, a square `pixels` wide on the screen. Squares that
     /// are too small to be drawn fade into their mean.
     pub(super) fn at(&self, uv: [f32; 2], pixels: f32) -> Vec3 {
-        let odd = (uv[0].floor() + uv[1].floor()).rem_euclid(2.0) >= 1.0;
+        let odd = (floor(uv[0]) ^ floor(uv[1])) & 1 == 1;
         let plain = if odd { self.dark } else { self.light };
         let mean = 0.5 * (self.dark + self.light);
         mean.lerp(plain, ((pixels - 1.0) / 3.0).clamp(0.0, 1.0))
+    }
+}
+
+/// The largest whole number that is not more: by a cast, since the call of a library would cost as much as all
+/// else of a pixel.
+fn floor(x: f32) -> i32 {
+    let whole = x as i32;
+    whole.wrapping_sub(i32::from(whole as f32 > x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_alternate_on_both_sides_of_zero() {
+        let tint = Tint::new(0, 0);
+        let is_dark = |u: f32, v: f32| tint.at([u, v], 9.0) == tint.dark;
+        for (u, v) in [(0.5, 0.5), (-0.5, -0.5), (-1.5, 0.5), (3.0, 1.0), (-2.0, 0.0)] {
+            assert!(!is_dark(u, v) && is_dark(u + 1.0, v) && is_dark(u, v - 1.0), "{u} {v}");
+        }
+        assert_eq!([2.0, 1.99, -0.01, -1.0, -1.01, f32::NAN].map(floor), [2, 1, -1, -1, -2, 0]);
     }
 }

@@ -71,10 +71,28 @@ static LEAST_LIGHT: LazyLock<[f32; 255]> = LazyLock::new(|| {
     })
 });
 
+/// Steps of linear light for each of which the least value is known.
+const STEPS: usize = 4096;
+
+/// The value at the start of each step: from there the one sought is at most a few further.
+static VALUE_AT: LazyLock<[u8; STEPS + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|step| {
+        let light = step as f32 / STEPS as f32;
+        LEAST_LIGHT.partition_point(|&least| least <= light) as u8
+    })
+});
+
 /// The sRGB colour of linear light.
 pub(super) fn encode(light: glam::Vec3) -> [u8; 3] {
-    let least = &*LEAST_LIGHT;
-    light.to_array().map(|c| least.partition_point(|&l| l <= c) as u8)
+    let (least, value_at) = (&*LEAST_LIGHT, &*VALUE_AT);
+    light.to_array().map(|c| {
+        // NaN and what is below 0 become 0.
+        let mut value = value_at[((c * STEPS as f32) as usize).min(STEPS)];
+        while least.get(usize::from(value)).is_some_and(|&least| least <= c) {
+            value += 1;
+        }
+        value
+    })
 }
 
 #[cfg(test)]

@@ -57,9 +57,10 @@ pub fn preview_png(
     let cancel = &run.cancel;
     let scene = scene.unwrap_or(input);
     if input.charts == 0 {
+        run.count(LARGE * LARGE * FACTOR * FACTOR);
         let edges = EdgeTable::new(scene, |_| true, cancel)?;
         let mut page = Canvas::gradient(LARGE, LARGE, Vec3::ONE, Vec3::ONE);
-        page.paste_smaller(&parts_panel(scene, &edges, LARGE, cancel)?, FACTOR, 0, 0);
+        page.paste_smaller(&parts_panel(scene, &edges, LARGE, cancel)?, 1, 0, 0);
         return Ok(encode_png(&page, png::Compression::Fast)?);
     }
     let table = |of: &Measured| EdgeTable::new(of, |f| of.face_map(f as usize).is_some(), cancel);
@@ -68,6 +69,7 @@ pub fn preview_png(
     let scene_edges = own_edges.as_ref().unwrap_or(&edges);
     let large = Pages::large(input.pages);
     let below = height_below(input.pages);
+    run.count((LARGE + SMALL) * (LARGE + below) * FACTOR * FACTOR);
     let panels = run.steps(4, 0.1, 1.0);
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE + below, Vec3::ONE, Vec3::ONE);
     let (checker, (parts, layout)) = rayon::join(
@@ -78,8 +80,8 @@ pub fn preview_png(
             (parts_panel(scene, scene_edges, SMALL, cancel).inspect(|_| panels.step()), layout)
         },
     );
-    page.paste_smaller(&checker?, FACTOR, 0, 0);
-    page.paste_smaller(&parts?, FACTOR, LARGE, 0);
+    page.paste_smaller(&checker?, 1, 0, 0);
+    page.paste_smaller(&parts?, 1, LARGE, 0);
     page.paste_smaller(&layout, FACTOR, LARGE, SMALL);
     cancel.check()?;
     if let Some(pages) = large {
@@ -100,9 +102,20 @@ pub fn preview_png(
 /// Lines between panels.
 const RULE: [u8; 3] = [0xc2, 0xc8, 0xd0];
 
+/// What stands behind everything, at the top and at the bottom.
+fn paper() -> [Vec3; 2] {
+    [linear([0xee, 0xf1, 0xf5]), linear([0xcd, 0xd4, 0xdd])]
+}
+
 fn background((width, height): (usize, usize)) -> Canvas {
-    let (top, bottom) = (linear([0xee, 0xf1, 0xf5]), linear([0xcd, 0xd4, 0xdd]));
+    let [top, bottom] = paper();
     Canvas::gradient(width * FACTOR, height * FACTOR, top, bottom)
+}
+
+/// A panel on which nothing is.
+fn blank(size: usize) -> Canvas {
+    let [top, bottom] = paper();
+    Canvas::gradient(size, size, top, bottom)
 }
 
 /// Each square is as large on every instance as on the measured one.
@@ -112,8 +125,7 @@ fn checker_panel(
     edges: &EdgeTable,
     cancel: &Cancel,
 ) -> Result<Canvas, Canceled> {
-    let mut canvas = background((LARGE, LARGE));
-    let Some(view) = View::new(input.surface, LARGE, cancel)? else { return Ok(canvas) };
+    let Some(view) = View::new(input.surface, LARGE, cancel)? else { return Ok(blank(LARGE)) };
     let across = squares(object, input.surface.diagonal);
     // The tint of a face, and how many squares fit into a world unit on it.
     let faces: Vec<Option<(Tint, f32)>> = (0..input.uvs.len())
@@ -124,15 +136,14 @@ fn checker_panel(
         })
         .collect();
     let bare = linear(part_color(NONE));
-    view.paint(&mut canvas, |face, shares, pixels| {
+    let color = |face: u32, shares: [f32; 3], pixels: f32| {
         let Some((tint, density)) = &faces[face as usize] else { return bare };
         let [a, b, c] = input.uvs[face as usize];
         let at = |i: usize| across * (a[i] * shares[0] + b[i] * shares[1] + c[i] * shares[2]);
         tint.at([at(0), at(1)], pixels / density)
-    });
+    };
     let seams = Line { color: [0xb0, 0x10, 0x28], thick: 0.9, strength: 0.9 };
-    view.draw_edges(&mut canvas, edges, &seams, |e| edges.cuts[e] > 0);
-    Ok(canvas)
+    Ok(view.picture(paper(), color, edges, &seams, |e| edges.cuts[e] > 0))
 }
 
 fn parts_panel(
@@ -141,15 +152,13 @@ fn parts_panel(
     size: usize,
     cancel: &Cancel,
 ) -> Result<Canvas, Canceled> {
-    let mut canvas = background((size, size));
-    let Some(view) = View::new(input.surface, size, cancel)? else { return Ok(canvas) };
+    let Some(view) = View::new(input.surface, size, cancel)? else { return Ok(blank(size)) };
     let colors: Vec<Vec3> = input.part_of.iter().map(|p| linear(part_color(*p))).collect();
     let brighter = |c: Vec3| c.lerp(Vec3::ONE, 0.12);
-    view.paint(&mut canvas, |face, _, _| brighter(colors[face as usize]));
+    let color = |face: u32, _: [f32; 3], _: f32| brighter(colors[face as usize]);
     let line = Line { color: [0x20, 0x22, 0x28], thick: 0.5, strength: 0.55 };
     let is_line = |e: usize| if input.charts == 0 { edges.boundary[e] } else { edges.cuts[e] > 0 };
-    view.draw_edges(&mut canvas, edges, &line, is_line);
-    Ok(canvas)
+    Ok(view.picture(paper(), color, edges, &line, is_line))
 }
 
 fn layout_panel(input: &Measured, edges: &EdgeTable) -> Canvas {

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::camera::Camera;
-use super::canvas::Canvas;
+use super::canvas::{Canvas, fade};
 use super::lines::LineMask;
 use super::occlusion::{ambient_light, facing};
 use super::palette::linear;
@@ -61,27 +61,29 @@ impl<'a> View<'a> {
         Ok(Some(Self { surface, camera, seen, corner_normals, ambient }))
     }
 
+    /// How much light a pixel of a face sends back, of what falls on it; `shares`: of the face's corners.
+    fn shading(&self, pixel: usize, shares: [f32; 3]) -> f32 {
+        let (size, face) = (self.seen.size, self.seen.face[pixel]);
+        let point = self.camera.unsee(center(pixel, size), self.seen.nearness[pixel]);
+        let [a, b, c] = self.corner_normals[face as usize];
+        let normal = (a * shares[0] + b * shares[1] + c * shares[2]).normalize_or_zero();
+        let block = (pixel / size / FACTOR) * (size / FACTOR) + pixel % size / FACTOR;
+        lit(facing(normal, point), point, self.ambient[block])
+    }
+
     /// Paints the view over `canvas`. `color(face, shares of its corners, pixels a world unit)`.
     pub(super) fn paint(
         &self,
         canvas: &mut Canvas,
         color: impl Fn(u32, [f32; 3], f32) -> Vec3 + Sync,
     ) {
-        let size = self.seen.size;
         canvas.pixels.par_iter_mut().enumerate().for_each(|(pixel, light)| {
             let face = self.seen.face[pixel];
-            if face == NONE {
-                return;
+            if face != NONE {
+                let shares = self.seen.shares(self.surface, pixel);
+                let color = color(face, shares, self.camera.pixels(self.seen.nearness[pixel]));
+                *light = color * self.shading(pixel, shares);
             }
-            let near = self.seen.nearness[pixel];
-            let shares = self.seen.shares(self.surface, pixel);
-            let point = self.camera.unsee(center(pixel, size), near);
-            let [a, b, c] = self.corner_normals[face as usize];
-            let normal = (a * shares[0] + b * shares[1] + c * shares[2]).normalize_or_zero();
-            let normal = facing(normal, point);
-            let block = (pixel / size / FACTOR) * (size / FACTOR) + pixel % size / FACTOR;
-            let ambient = self.ambient[block];
-            *light = color(face, shares, self.camera.pixels(near)) * lit(normal, point, ambient);
         });
     }
 
@@ -93,6 +95,11 @@ impl<'a> View<'a> {
         line: &Line,
         wanted: impl Fn(usize) -> bool,
     ) {
+        canvas.lay(&self.lines(edges, line, wanted), linear(line.color));
+    }
+
+    /// How much of each pixel the edges that `wanted` picks cover, where they can be seen.
+    fn lines(&self, edges: &EdgeTable, line: &Line, wanted: impl Fn(usize) -> bool) -> Vec<f32> {
         let size = self.seen.size;
         let mut mask = LineMask::new(size, size);
         let bias = LINE_BIAS * self.surface.diagonal as f32;
@@ -105,7 +112,45 @@ impl<'a> View<'a> {
                 there <= 0.0 || 1.0 / near - bias <= 1.0 / there
             });
         }
-        canvas.lay(&mask.scaled(line.strength), linear(line.color));
+        mask.scaled(line.strength)
+    }
+
+    /// The view over paper that fades from top to bottom, with the edges that `wanted` picks, at the picture's
+    /// own resolution. No canvas of all pixels is kept for it, and a face is shaded once a pixel of the picture;
+    /// its colour is asked for in all of them. `color` as for [`View::paint`].
+    pub(super) fn picture(
+        &self,
+        paper: [Vec3; 2],
+        color: impl Fn(u32, [f32; 3], f32) -> Vec3 + Sync,
+        edges: &EdgeTable,
+        line: &Line,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Canvas {
+        let (covered, ink) = (self.lines(edges, line, wanted), linear(line.color));
+        let (size, width) = (self.seen.size, self.seen.size / FACTOR);
+        let light = |i: usize| {
+            let (mut sum, mut shaded) = (Vec3::ZERO, (NONE, 0.0));
+            for k in 0..FACTOR * FACTOR {
+                let (x, y) = (i % width * FACTOR + k % FACTOR, i / width * FACTOR + k / FACTOR);
+                let pixel = y * size + x;
+                let face = self.seen.face[pixel];
+                let plain = if face == NONE {
+                    fade(paper, y, size)
+                } else {
+                    let shares = self.seen.shares(self.surface, pixel);
+                    if shaded.0 != face {
+                        shaded = (face, self.shading(pixel, shares));
+                    }
+                    let scale = self.camera.pixels(self.seen.nearness[pixel]);
+                    color(face, shares, scale) * shaded.1
+                };
+                let lined = covered[pixel];
+                sum += if lined == 0.0 { plain } else { plain.lerp(ink, lined) };
+            }
+            sum / (FACTOR * FACTOR) as f32
+        };
+        let pixels = (0..width * width).into_par_iter().map(light).collect();
+        Canvas { width, height: width, pixels }
     }
 
     /// Draws points of the surface as dots of `radius` pixels, where they can be seen; a later one covers
