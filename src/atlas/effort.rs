@@ -20,7 +20,7 @@ impl Effort {
         let effort = |millions: u64, idle| Self { work: millions * 1_000_000, idle };
         match quality {
             Quality::Fast => [effort(24, 6), effort(10, 6)],
-            Quality::Balanced => [effort(100, 30), effort(20, 8)],
+            Quality::Balanced => [effort(60, 20), effort(20, 8)],
             Quality::Best => [effort(400, 60), effort(100, 20)],
         }
     }
