@@ -18,6 +18,11 @@ impl Beside {
     pub fn labels(path: PathBuf) -> Self {
         Self(vec![(InputRole::Labels, path)])
     }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
 }
 
 /// The roles that have a flag: all but the mesh, which needs none.

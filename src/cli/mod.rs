@@ -5,6 +5,7 @@ mod demo;
 mod doctor;
 mod ending;
 mod input;
+mod many;
 mod openapi;
 mod options;
 mod outputs;
@@ -36,7 +37,7 @@ struct Cli {
 enum Command {
     /// Show the whole service at work: start it, unwrap the sample chair over HTTP, stop it.
     Demo(demo::Args),
-    /// Unwrap one file, without a server.
+    /// Unwrap one file or many, without a server.
     Unwrap(unwrap::Args),
     /// Find the parts of one file; write one label a face.
     Segment(segment::Args),

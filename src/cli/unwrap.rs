@@ -1,10 +1,12 @@
-//! `uvsegnet unwrap`: the pipeline on one file, without a server.
+//! `uvsegnet unwrap`: the pipeline on one file or many, without a server.
 
-use std::path::PathBuf;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use super::input::{Beside, Files};
+use super::many;
 use super::options::valid;
 use super::outputs::Outputs;
 use super::told;
@@ -12,14 +14,18 @@ use super::watched::{self, Quiet};
 use super::weights::WeightFlags;
 use crate::contract::{Limits, MeshKind, UnwrapOptions};
 use crate::device::DeviceChoice;
-use crate::pipeline;
+use crate::pipeline::{self, Unwrapped};
 
 /// Arguments of `uvsegnet unwrap`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The mesh.
-    #[arg(help = format!("The mesh: {}", MeshKind::inputs()))]
-    pub input: PathBuf,
+    /// The mesh, or several of them.
+    #[arg(
+        required = true,
+        value_name = "MESH",
+        help = format!("The mesh: {}. With --folder, any number of them", MeshKind::inputs())
+    )]
+    pub meshes: Vec<PathBuf>,
     /// Where the files go.
     #[command(flatten)]
     pub outputs: Outputs,
@@ -32,6 +38,11 @@ pub struct Args {
     /// Which weights the network has.
     #[command(flatten)]
     pub weights: WeightFlags,
+    /// How many of several meshes are worked on at once; as many as there are cores if absent. Each may use the
+    /// How many of several meshes are worked on at once; half as many again as there are cores if absent. Each may
+    /// use the memory of a job.
+    #[arg(long, value_name = "N")]
+    pub at_once: Option<NonZeroUsize>,
     #[command(flatten)]
     pub quiet: Quiet,
     #[command(flatten)]
@@ -41,17 +52,29 @@ pub struct Args {
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
     valid(&args.options)?;
-    let files = Files::read(&args.input, &args.beside)?;
+    args.outputs.hold(&args.meshes)?;
     let engine = args.weights.engine(&args.device)?;
-    let (run, watcher) = watched::run(&args.options, args.quiet);
     // What is not kept is not drawn.
     let preview = args.options.preview && args.outputs.hold_pictures();
     let options = UnwrapOptions { preview, ..args.options };
+    let [mesh] = &args.meshes[..] else {
+        if !args.beside.is_empty() {
+            bail!(
+                "{} meshes were given: what stands beside a mesh goes with one",
+                args.meshes.len()
+            );
+        }
+        let at_once = args.at_once.map_or_else(many::at_once, NonZeroUsize::get);
+        let write = |mesh: &Path, result: &Unwrapped| args.outputs.write(mesh, result);
+        return many::unwrap(&args.meshes, at_once, (&options, &engine), args.quiet.quiet, &write);
+    };
+    let files = Files::read(mesh, &args.beside)?;
+    let (run, watcher) = watched::run(&options, args.quiet);
     let result =
         pipeline::unwrap_input(&files.input(), &options, &Limits::default(), &engine, &run);
     drop(watcher);
     let unwrapped = result.map_err(|error| told::error(&error))?;
-    args.outputs.write(&unwrapped)?;
+    args.outputs.write(mesh, &unwrapped)?;
     if !args.quiet.quiet {
         eprintln!("{}", told::as_flags(&unwrapped.summary()));
     }
