@@ -1,6 +1,7 @@
 //! The files of an attempt: put in place as blobs before the row that names them commits.
 
 use bytes::Bytes;
+use futures::future::join_all;
 
 use crate::contract::ArtifactKind;
 use crate::jobs::{BlobError, BlobFolder, Blobs, StoredArtifact};
@@ -21,22 +22,27 @@ async fn store(
     })
 }
 
-/// Store files in this order; nothing stays behind if one of them cannot be.
+/// Store files side by side, each of which waits for its disk; nothing stays behind if one of them cannot be. In
+/// this order.
 pub async fn store_all(
     blobs: &Blobs,
     files: impl IntoIterator<Item = (ArtifactKind, Bytes)>,
 ) -> Result<Vec<StoredArtifact>, BlobError> {
-    let mut stored = Vec::new();
-    for (kind, bytes) in files {
-        match store(blobs, kind, bytes).await {
+    let all = files.into_iter().map(|(kind, bytes)| store(blobs, kind, bytes));
+    let (mut stored, mut failed) = (Vec::new(), None);
+    for ended in join_all(all).await {
+        match ended {
             Ok(artifact) => stored.push(artifact),
-            Err(error) => {
-                discard(blobs, &stored).await;
-                return Err(error);
-            }
+            Err(error) => failed = failed.or(Some(error)),
         }
     }
-    Ok(stored)
+    match failed {
+        None => Ok(stored),
+        Some(error) => {
+            discard(blobs, &stored).await;
+            Err(error)
+        }
+    }
 }
 
 /// Delete files that no row will name. What cannot be deleted is left to the orphan sweep.

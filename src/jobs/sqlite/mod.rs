@@ -71,7 +71,7 @@ impl SqliteQueue {
 
     /// Watch for commits.
     pub fn changes(&self) -> Changes {
-        watch::watch(connect_options(&self.file).pragma("query_only", "ON"))
+        watch::watch(&self.file, connect_options(&self.file).pragma("query_only", "ON"))
     }
 
     /// A transaction that holds the write lock from its first statement, so that what it reads
