@@ -143,8 +143,8 @@ impl Kept {
             let _ = writeln!(text, "{object}\t{}\t{}", Stage::ALL[*stage].as_str(), did.work);
         }
         text += "# stage, yardsticks a unit\n";
-        for (stage, did) in sums(table) {
-            let cost = did.seconds / did.work.max(1) as f64 / yardstick;
+        for (stage, did) in sums(table).into_iter().filter(|(_, did)| did.work > 0) {
+            let cost = did.seconds / did.work as f64 / yardstick;
             let _ = writeln!(text, "{}\t{cost:.4e}", Stage::ALL[stage].as_str());
         }
         text
@@ -168,7 +168,7 @@ fn tell(table: &Table, yardstick: f64, kept: Option<&Kept>) -> bool {
     println!("{} objects, one thread; yardstick {:.0} ms", objects().len(), 1e3 * yardstick);
     println!("| stage | counted in | work | seconds | ns a unit | over kept |");
     println!("|---|---|---|---|---|---|");
-    for (stage, Did { work, seconds }) in sums(table) {
+    for (stage, Did { work, seconds }) in sums(table).into_iter().filter(|(_, did)| did.work > 0) {
         let (name, unit) = (Stage::ALL[stage].as_str(), Stage::ALL[stage].unit());
         let each = seconds / work as f64;
         let over = kept.and_then(|kept| kept.cost.get(name)).map(|cost| each / yardstick / cost);

@@ -43,11 +43,11 @@ pub fn unwrap(
     };
     let one = |mesh: &Path| -> Result<String> {
         let files = Files::read(mesh, &Beside::default())?;
-        let (told, teller) = (mesh.to_owned(), bar.clone());
+        let (name, bar) = (mesh.to_owned(), bar.clone());
         let tell = move |progress| {
             if let Progress::Warning(warning) = progress {
                 let line = told::as_flags(&warning.message);
-                teller.suspend(|| eprintln!("{}: warning: {line}", told.display()));
+                bar.suspend(|| eprintln!("{}: warning: {line}", name.display()));
             }
         };
         let budget = Budget::new(options.budget_s, options.budget_mib);
