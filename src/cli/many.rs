@@ -15,10 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::input::{Beside, Files};
 use super::told;
 use crate::contract::{Budget, Cancel, Limits, Progress, Run, UnwrapOptions};
-use crate::pipeline::{self, Engine, Unwrapped};
-
-/// Bytes of stack: walks over large meshes may recurse.
-const STACK: usize = 64 << 20;
+use crate::pipeline::{self, Engine, STACK, Unwrapped};
 
 /// How many meshes are worked on at once where nobody says: half as many again as there are cores, since each has
 /// stretches that run on one thread. Of 40 chairs of 1,000 triangles two cores do 267 a minute two at once, 330
@@ -85,8 +82,8 @@ pub fn unwrap(
     }
 }
 
-fn panicked(panic: Box<dyn Any + Send>) -> Result<String> {
-    drop(panic);
+/// What the panic was has been printed by then.
+fn panicked(_: Box<dyn Any + Send>) -> Result<String> {
     Err(anyhow!("it made the program panic: a mistake of ours, please report it with the file"))
 }
 

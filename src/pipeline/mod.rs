@@ -47,6 +47,9 @@ pub use ways::{Ways, ways};
 use crate::contract::{Limits, Progress, Run, Stage, StopAfter, UnwrapOptions, WarningCode};
 use crate::mesh::{self, Scene};
 
+/// Bytes of stack that a thread needs which calls the pipeline: walks over large meshes may recurse.
+pub const STACK: usize = 64 << 20;
+
 /// Import and unwrap.
 pub fn unwrap_input(
     input: &Input,

@@ -8,10 +8,7 @@ use bytes::Bytes;
 use tokio::sync::oneshot;
 
 use crate::contract::{InputRole, JobError, Limits, MeshKind, Run, UnwrapOptions};
-use crate::pipeline::{Engine, Input, InputFile, Unwrapped, unwrap_input};
-
-/// Bytes of stack: walks over large meshes may recurse.
-const STACK: usize = 64 << 20;
+use crate::pipeline::{Engine, Input, InputFile, STACK, Unwrapped, unwrap_input};
 
 /// One call of the pipeline.
 pub struct Call {
