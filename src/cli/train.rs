@@ -113,8 +113,8 @@ struct RunArgs {
     #[arg(short, long)]
     output: PathBuf,
     /// Folders to learn from: labelled meshes (X.glb, X.obj or the like, X.labels.txt or X.inst.txt,
-    /// X.parts.json), PartNet's hierarchies (ID/result_after_merging.json) or point sets (Chair/*.h5), or
-    /// ShapeNet-part (synsetoffset2category.txt).
+    /// X.parts.json), PartNet's hierarchies (ID/result_after_merging.json) or ShapeNet-part
+    /// (synsetoffset2category.txt).
     #[arg(long = "data")]
     folders: Vec<PathBuf>,
     /// Procedural objects to learn from.

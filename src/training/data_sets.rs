@@ -1,6 +1,5 @@
 //! The data sets that can be learned from, told by what lies in a folder: our own labelled folders
-//! (`folder`), PartNet's hierarchies (`partnet_tree`) and point sets (`partnet_points`), ShapeNet-part
-//! (`shapenet_part`). What may be learned from depends on the licences that are asked for.
+//! (`folder`), PartNet's hierarchies (`partnet_tree`), ShapeNet-part (`shapenet_part`). What may be learned from depends on the licences that are asked for.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +7,7 @@ use rayon::prelude::*;
 
 use super::example::{Example, Labels};
 use super::folder::{self, FolderError, LabelledMesh};
-use super::{partnet_points, partnet_tree, shapenet_part};
+use super::{partnet_tree, shapenet_part};
 use crate::contract::Run;
 
 /// What a folder holds.
@@ -16,7 +15,6 @@ use crate::contract::Run;
 enum DataSet {
     Labelled(Vec<PathBuf>),
     PartNetTrees(Vec<PathBuf>),
-    PartNetPoints(Vec<PathBuf>),
     ShapeNetPart(Vec<(String, PathBuf)>),
 }
 
@@ -29,18 +27,12 @@ impl DataSet {
         if !trees.is_empty() {
             return Ok(Self::PartNetTrees(trees));
         }
-        let points = partnet_points::files(folder)?;
-        if !points.is_empty() {
-            return Ok(Self::PartNetPoints(points));
-        }
         folder::meshes(folder).map(Self::Labelled)
     }
 
     fn len(&self) -> usize {
         match self {
-            Self::Labelled(files) | Self::PartNetTrees(files) | Self::PartNetPoints(files) => {
-                files.len()
-            }
+            Self::Labelled(files) | Self::PartNetTrees(files) => files.len(),
             Self::ShapeNetPart(files) => files.len(),
         }
     }
@@ -59,7 +51,7 @@ impl DataSet {
                 files.retain(|_| allowed.next().unwrap_or(false));
             }
             _ if licences.iter().any(|l| partnet_tree::TERMS.starts_with(l.as_str())) => {}
-            Self::PartNetTrees(files) | Self::PartNetPoints(files) => files.clear(),
+            Self::PartNetTrees(files) => files.clear(),
             Self::ShapeNetPart(files) => files.clear(),
         }
         Ok(before - self.len())
@@ -90,11 +82,6 @@ pub fn load_examples(
         DataSet::PartNetTrees(files) => {
             files.par_iter().map(|f| partnet_tree::read(f, run).and_then(of_mesh)).collect()
         }
-        DataSet::PartNetPoints(files) => {
-            let all: Result<Vec<Vec<Example>>, FolderError> =
-                files.par_iter().map(|f| partnet_points::read(f, run)).collect();
-            all.map(|all| all.into_iter().flatten().collect())
-        }
         DataSet::ShapeNetPart(files) => {
             files.par_iter().map(|(c, f)| shapenet_part::read(c, f, run)).collect()
         }
@@ -117,7 +104,7 @@ pub fn load_meshes(
         DataSet::PartNetTrees(files) => {
             files.par_iter().map(|f| partnet_tree::read(f, run)).collect()
         }
-        DataSet::PartNetPoints(_) | DataSet::ShapeNetPart(_) => Err(folder::error(
+        DataSet::ShapeNetPart(_) => Err(folder::error(
             folder,
             "has points and no surfaces: the boundary classifier learns from meshes",
         )),

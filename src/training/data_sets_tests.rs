@@ -39,29 +39,7 @@ fn names(example: &Example) -> BTreeSet<&'static str> {
 }
 
 #[test]
-fn partnet_instances_are_the_leaves_with_the_names_of_their_parts() {
-    let examples = load("partnet_instances");
-    assert_eq!(examples.len(), 2);
-    examples.iter().for_each(assert_stool);
-    assert_eq!(examples[0].id, "Chair_2001");
-    assert_eq!(examples[1].category, "Chair");
-    assert_eq!(names(&examples[0]), BTreeSet::from(["leg", "seat"]));
-}
-
-#[test]
-fn partnet_masks_are_parts() {
-    let examples = load("partnet_detection");
-    assert_eq!(examples.len(), 2);
-    examples.iter().for_each(assert_stool);
-    assert_eq!(examples[0].category, "Chair", "the level is no part of the name");
-}
-
-#[test]
 fn a_kind_of_part_at_several_places_is_several_parts() {
-    let examples = load("partnet_semantic");
-    examples.iter().for_each(assert_stool);
-    let unknown = |e: &Example| e.part.iter().filter(|p| **p < 0).count();
-    assert_eq!(examples.iter().map(unknown).collect::<Vec<_>>(), [8, 8], "0 is no kind");
     let examples = load("shapenet_part");
     assert_eq!((examples.len(), examples[0].category.as_str()), (1, "Chair"));
     examples.iter().for_each(assert_stool);
@@ -82,7 +60,7 @@ fn partnet_hierarchies_are_meshes_of_their_leaves() {
 #[test]
 fn bound_sets_are_left_out_unless_they_are_asked_for() {
     let free = ["MIT".to_owned(), "CC-BY-4.0".to_owned()];
-    for name in ["partnet_instances", "partnet_tree", "shapenet_part"] {
+    for name in ["partnet_tree", "shapenet_part"] {
         let (examples, left_out) = load_examples(&fixture(name), &free, 1, &Run::quiet()).unwrap();
         assert_eq!((examples.len(), left_out), (0, 1), "{name}");
     }
@@ -95,10 +73,6 @@ fn bound_sets_are_left_out_unless_they_are_asked_for() {
 fn broken_files_are_named_with_what_is_wrong() {
     let folder = tempfile::tempdir().unwrap();
     let fail = || load_examples(folder.path(), &[], 1, &Run::quiet()).unwrap_err().to_string();
-    std::fs::write(folder.path().join("train-00.h5"), b"no HDF5").unwrap();
-    let error = fail();
-    assert!(error.contains("train-00.h5"), "{error}");
-    std::fs::remove_file(folder.path().join("train-00.h5")).unwrap();
     let own = folder.path().join("7");
     std::fs::create_dir(&own).unwrap();
     std::fs::write(own.join("result_after_merging.json"), r#"[{"name":"chair","objs":["x"]}]"#)

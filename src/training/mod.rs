@@ -14,7 +14,6 @@ mod joins;
 mod labelled;
 mod loss;
 mod names;
-mod partnet_points;
 mod partnet_tree;
 mod points;
 mod procedural;
