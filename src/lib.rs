@@ -3,16 +3,18 @@
 //! The modules, in the order in which data flows. Each may import only what stands to its left on
 //! its line (docs/architecture.md has the picture, tests/contract.rs holds it):
 //!
-//! `contract ← device ← mesh ← flatten ← sampling ← segmentation ← charts ← parameterization ←
-//! atlas ← metrics ← preview ← pipeline`
+//! `contract ← tasks ← device ← mesh ← flatten ← sampling ← segmentation ← charts ← coarse_to_fine ←
+//! parameterization ← atlas ← metrics ← preview ← pipeline`
 //!
 //! `contract ← mesh ← synth`, `synth, segmentation, preview ← training`,
 //! `contract ← config, telemetry ← jobs ← http`,
-//! `contract, config, telemetry, jobs, device, pipeline ← worker`, everything `← cli`.
+//! `contract, config, telemetry, jobs, tasks, device, pipeline ← worker`, everything `← cli`.
 
 #![warn(missing_docs)]
 
 pub mod contract;
+
+pub mod tasks;
 
 pub mod device;
 

@@ -18,16 +18,30 @@ const JOB_LOG_BYTES: usize = 4 << 20;
 /// The lines of the job that this process runs; `None` while it runs none.
 static JOB_LOG: Mutex<Option<Vec<u8>>> = Mutex::new(None);
 
+/// How much the operator is told where the environment does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Told {
+    /// What begins and ends, and what goes wrong.
+    #[default]
+    Usual,
+    /// What goes wrong for good.
+    Errors,
+}
+
 /// Begin to log. Later calls change nothing.
-pub fn init() {
+pub fn init(told: Told) {
     let level = |fallback: &str| {
         EnvFilter::try_from_env(FILTER).unwrap_or_else(|_| EnvFilter::new(fallback))
+    };
+    let usual = match told {
+        Told::Usual => "warn,uvsegnet=info",
+        Told::Errors => "error",
     };
     let operator = tracing_subscriber::fmt::layer()
         .with_writer(io::stderr)
         .with_ansi(io::IsTerminal::is_terminal(&io::stderr()))
         .with_target(false)
-        .with_filter(level("warn,uvsegnet=info"));
+        .with_filter(level(usual));
     let client = tracing_subscriber::fmt::layer()
         .json()
         .flatten_event(true)
@@ -91,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_job_log_holds_the_lines_of_its_job() {
-        init();
+        init(Told::Usual);
         tracing::info!("prelude-of-the-log-test");
         JobLog::begin();
         tracing::info!(answer = 42, "within");

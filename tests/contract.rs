@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order in which data flows: each may import what stands before it.
-const CHAIN: [&str; 13] = [
+const CHAIN: [&str; 14] = [
     "contract",
+    "tasks",
     "device",
     "mesh",
     "flatten",
@@ -35,7 +36,7 @@ fn allowed() -> BTreeMap<&'static str, Vec<&'static str>> {
     allowed.insert("jobs", service.to_vec());
     allowed.insert("http", [&service[..], &["jobs"]].concat());
     // A worker drives the pipeline on a device.
-    allowed.insert("worker", [&service[..], &["jobs", "pipeline", "device"]].concat());
+    allowed.insert("worker", [&service[..], &["jobs", "pipeline", "device", "tasks"]].concat());
     allowed.insert(
         "cli",
         [&CHAIN[..], &service[1..], &["synth", "training", "jobs", "http", "worker"]].concat(),

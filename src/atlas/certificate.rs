@@ -8,6 +8,7 @@ use super::quantise::is_flat_3d;
 use super::raster::rasterise;
 use crate::contract::Certificate;
 use crate::flatten::{Border, Disk, has_simple_boundary, list_overlapping_pairs, orientation};
+use crate::tasks;
 
 /// Triangles that enter each other by no more than this (page widths) touch.
 const TOUCH: f64 = 1e-6;
@@ -54,37 +55,37 @@ pub struct Demands {
 
 /// Certify charts on pages.
 pub fn certify_atlas(charts: &[Placed], demands: &Demands) -> AtlasCertificates {
-    let exported: Vec<Vec<DVec2>> =
-        charts.iter().map(|c| c.uv.iter().map(|p| p.as_vec2().as_dvec2()).collect()).collect();
-    let borders: Vec<Border> = charts.iter().map(|c| Border::of(c.disk)).collect();
-    let mut own: Vec<Certificate> = charts
-        .iter()
-        .zip(&exported)
-        .zip(&borders)
-        .map(|((chart, uv), border)| by_itself(chart.disk, uv, border, demands))
-        .collect();
-
-    let corners = |(chart, uv): (&Placed, &Vec<DVec2>)| -> Vec<[DVec2; 3]> {
-        chart.disk.triangles.iter().map(|t| t.map(|v| uv[v as usize])).collect()
+    let one = |chart: &Placed| {
+        let uv: Vec<DVec2> = chart.uv.iter().map(|p| p.as_vec2().as_dvec2()).collect();
+        let border = Border::of(chart.disk);
+        let own = by_itself(chart.disk, &uv, &border, demands);
+        let corners = |t: &[u32; 3]| t.map(|v| uv[v as usize]);
+        let triangles: Vec<[DVec2; 3]> = chart.disk.triangles.iter().map(corners).collect();
+        (own, (segments(&border, &uv), triangles))
     };
-    let triangles: Vec<Vec<[DVec2; 3]>> = charts.iter().zip(&exported).map(corners).collect();
-    let mut atlas = Certificate { simple_boundary: true, ..Default::default() };
-    atlas.overlapping_pairs = count_overlaps(charts, &triangles, demands, &mut own);
-
+    let all: Vec<&Placed> = charts.iter().collect();
+    let alone = tasks::map_by_size("proof of a chart", all, |c| c.disk.triangles.len(), one);
+    let (mut own, rest): (Vec<Certificate>, Vec<_>) = alone.into_iter().unzip();
+    let (borders, triangles): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
     let on_pages: Vec<(u32, &[[DVec2; 3]])> =
         charts.iter().zip(&triangles).map(|(c, t)| (c.page, &t[..])).collect();
-    let coverage = rasterise(&on_pages, demands.pages, demands.page_size);
+    let rings: Vec<(u32, Vec<[DVec2; 2]>)> =
+        charts.iter().map(|chart| chart.page).zip(borders).collect();
+    let raster =
+        || tasks::link("raster", || rasterise(&on_pages, demands.pages, demands.page_size));
+    let apart = || tasks::join("pages", raster, || tasks::link("gutters", || gutters(&rings)));
+    let (overlaps, (coverage, gutters)) =
+        tasks::join("pages", || overlaps(charts, &triangles, demands), apart);
+    let mut atlas = Certificate { simple_boundary: true, ..Default::default() };
+    atlas.overlapping_pairs = overlaps.len() as u64;
+    for [a, b] in overlaps {
+        own[a].overlapping_pairs += 1;
+        own[b].overlapping_pairs += u64::from(a != b);
+    }
     atlas.overlap_texels = coverage.overlapped;
-
-    let rings: Vec<(u32, Vec<[DVec2; 2]>)> = charts
-        .iter()
-        .zip(&exported)
-        .zip(&borders)
-        .map(|((chart, uv), border)| (chart.page, segments(border, uv)))
-        .collect();
     let texels = |distance: f64| distance * f64::from(demands.page_size);
     for ((chart, gutter), &texels_shared) in
-        own.iter_mut().zip(gutters(&rings)).zip(&coverage.overlapped_by_chart)
+        own.iter_mut().zip(gutters).zip(&coverage.overlapped_by_chart)
     {
         chart.overlap_texels = texels_shared;
         chart.min_gutter_texels = gutter.map(texels);
@@ -124,28 +125,23 @@ fn by_itself(disk: &Disk, uv: &[DVec2], border: &Border, demands: &Demands) -> C
     certificate
 }
 
-/// Overlapping pairs of all triangles that share a page; each chart gets those it takes part in.
-fn count_overlaps(
+/// The two charts, or twice the same one, of each pair of triangles that share a page and overlap.
+fn overlaps(
     charts: &[Placed],
     triangles: &[Vec<[DVec2; 3]>],
     demands: &Demands,
-    own: &mut [Certificate],
-) -> u64 {
-    let mut total = 0;
+) -> Vec<[usize; 2]> {
+    let mut pairs = Vec::new();
     for page in 0..demands.pages {
         let (mut here, mut owner) = (Vec::new(), Vec::new());
         for (chart, t) in triangles.iter().enumerate().filter(|(c, _)| charts[*c].page == page) {
             here.extend_from_slice(t);
             owner.resize(here.len(), chart);
         }
-        for (i, j) in list_overlapping_pairs(&here, TOUCH) {
-            let (a, b) = (owner[i as usize], owner[j as usize]);
-            own[a].overlapping_pairs += 1;
-            own[b].overlapping_pairs += u64::from(a != b);
-            total += 1;
-        }
+        let found = list_overlapping_pairs(&here, TOUCH).into_iter();
+        pairs.extend(found.map(|(i, j)| [owner[i as usize], owner[j as usize]]));
     }
-    total
+    pairs
 }
 
 /// The border as segments.

@@ -4,6 +4,8 @@
 
 use glam::DVec2;
 
+use crate::tasks;
+
 /// A border segment of a chart.
 type Segment = [DVec2; 2];
 
@@ -27,13 +29,15 @@ pub fn gutters(charts: &[(u32, Vec<Segment>)]) -> Vec<Option<f64>> {
             .flat_map(|&c| charts[c].1.iter().filter(|s| finite(s)).map(move |&s| (c as u32, s)))
             .collect();
         let grid = SegmentGrid::new(&segments);
-        let mut distance = vec![f64::INFINITY; charts.len()];
-        for (chart, segment) in &segments {
-            let nearest = grid.nearest(*chart, segment, distance[*chart as usize]);
-            distance[*chart as usize] = nearest;
-        }
-        for c in here {
-            result[c] = distance[c].is_finite().then_some(distance[c]);
+        // Those of a chart in a row: what it has found bounds what is looked at for the next.
+        let own: Vec<&[(u32, Segment)]> = segments.chunk_by(|a, b| a.0 == b.0).collect();
+        let nearest = |own: &[(u32, Segment)]| {
+            let start = f64::INFINITY;
+            let next = |bound, (chart, s): &(u32, Segment)| grid.nearest(*chart, s, bound);
+            (own[0].0 as usize, own.iter().fold(start, next))
+        };
+        for (c, distance) in tasks::map_by_size("gutter", own, |own| own.len(), nearest) {
+            result[c] = distance.is_finite().then_some(distance);
         }
     }
     result

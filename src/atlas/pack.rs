@@ -14,6 +14,7 @@ use super::quantise::REACH;
 use super::search::{Sheet, Spot, search};
 use crate::contract::{Canceled, Rotation, Run};
 use crate::flatten::{Disk, UvMap};
+use crate::tasks;
 
 /// Why charts could not be packed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -91,7 +92,9 @@ pub fn pack(
         }
         Ok(Piece::new(Outline::of(disk, uv), weight, turns(uv)))
     };
-    let pieces = charts.iter().zip(&weights).enumerate().map(piece);
+    let all = charts.iter().zip(&weights).enumerate().collect();
+    let size = |(_, ((disk, _), _)): &(usize, (&(&Disk, &UvMap), &f64))| disk.triangles.len();
+    let pieces = tasks::map_by_size("piece", all, size, piece).into_iter();
     let pieces = pieces.collect::<Result<Vec<_>, _>>()?;
     let (mut pages, mut finest) = (options.pages.max(1), CELLS);
     let (layout, cell) = loop {

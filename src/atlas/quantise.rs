@@ -6,6 +6,7 @@
 use glam::{DVec2, I64Vec2};
 
 use crate::flatten::{Disk, UvMap};
+use crate::tasks;
 
 /// The lattice that coordinates are put on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,13 +76,19 @@ pub(super) fn is_flat_3d(disk: &Disk, face: usize, diagonal: f64) -> bool {
 /// Put charts (disk and coordinates in [0, 1]²) on the lattice. `diagonal` is the object's, world
 /// units: faces without area in 3D need none in UV, but must not be flipped.
 pub fn quantise(charts: &[(&Disk, &UvMap)], diagonal: f64, grid: Grid) -> Quantised {
-    let mut result = Quantised::default();
-    for (chart, (disk, uv)) in charts.iter().enumerate() {
+    let one = |(disk, uv): (&Disk, &UvMap)| {
         let mut lattice = Lattice::new(disk, uv, diagonal, grid);
         let lost = lattice.repair();
-        result.lost.extend(lost.into_iter().map(|f| (chart as u32, f)));
-        result.moved += lattice.moved();
-        result.uvs.push(lattice.points.iter().map(|p| p.as_dvec2() * grid.step()).collect());
+        let uv: UvMap = lattice.points.iter().map(|p| p.as_dvec2() * grid.step()).collect();
+        (lost, lattice.moved(), uv)
+    };
+    let size = |(disk, _): &(&Disk, &UvMap)| disk.triangles.len();
+    let mut result = Quantised::default();
+    let done = tasks::map_by_size("lattice", charts.to_vec(), size, one);
+    for (chart, (lost, moved, uv)) in (0u32..).zip(done) {
+        result.lost.extend(lost.into_iter().map(|f| (chart, f)));
+        result.moved += moved;
+        result.uvs.push(uv);
     }
     result
 }

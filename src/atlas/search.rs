@@ -10,7 +10,6 @@ use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::arrangement::{Arrangement, ORDERS};
 use super::effort::Effort;
@@ -19,6 +18,7 @@ use super::page::Page;
 use super::piece::Piece;
 use crate::contract::{Canceled, GaveUp, Run, Scarce, Stage};
 use crate::device::Seeded;
+use crate::tasks;
 
 /// Cells across a square of a chart's share of the page from which on coarse pages tell enough …
 const CELLS_A_CHART: f64 = 60.0;
@@ -243,7 +243,7 @@ impl<'a> Search<'a> {
             let densities: Vec<f64> =
                 (first..first + 4).map(|k| low + expected * step * f64::from(k)).collect();
             let trial = |&density: &f64| (density, self.trial(a, &self.scaled(density), 0.0));
-            let trials: Vec<_> = densities.par_iter().map(trial).collect();
+            let trials: Vec<_> = tasks::map("density", &densities, trial);
             for (density, trial) in trials {
                 let Trial { left, spots, work } = trial?;
                 self.work += work;
@@ -310,8 +310,7 @@ impl<'a> Search<'a> {
         scaled: &Scaled,
         most: f64,
     ) -> Result<Vec<Trial>, Canceled> {
-        let trials: Vec<Result<Trial, Canceled>> =
-            all.par_iter().map(|a| self.trial(a, scaled, most)).collect();
+        let trials = tasks::map("arrangement", all, |a| self.trial(a, scaled, most));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
         let work: u64 = trials.iter().map(|t| t.work).sum();
         self.work += work;

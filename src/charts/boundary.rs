@@ -10,6 +10,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 use crate::sampling::PointCloud;
+use crate::tasks;
 
 /// The paper's radius, in units of the object's size.
 const RADIUS: f64 = 0.02;
@@ -56,7 +57,9 @@ impl BoundaryFeatures {
 
     /// ρ and I at each position. The label of a position is that of the nearest point.
     pub fn at(&self, positions: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
-        let rho: Vec<f64> = positions.par_iter().map(|p| self.rho(&p.to_array())).collect();
+        let rho: Vec<f64> = tasks::even("boundary", positions.len(), || {
+            positions.par_iter().map(|p| self.rho(&p.to_array())).collect()
+        });
         let boundary = rho.iter().map(|&r| if r > THRESHOLD { 1.0 } else { 0.0 }).collect();
         (rho, boundary)
     }

@@ -1,8 +1,6 @@
 //! Parts into charts (docs/method.md, section 4): the side of a tube with one axial cut, everything else as
 //! patches, all merged while the objective falls and the distortion bound holds.
 
-use rayon::prelude::*;
-
 use super::chart::{Chart, ChartShape};
 use super::component::{Joiner, Orders};
 use super::limits::ChartLimits;
@@ -18,6 +16,7 @@ use super::patchwork::Patchwork;
 use crate::contract::{Canceled, Run, Steps, UnwrapOptions};
 use crate::flatten;
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// Steps of a component that progress is counted by: patches, the first merging, the others, the last moves.
 const STEPS: usize = 4;
@@ -84,16 +83,22 @@ pub fn build_jointly(
     let steps = Some(run.steps(STEPS * all, from, 1.0));
     let joiner = Joiner::new(all, &limits, run);
     let cutter = Cutter { surface, seen, openness, joiner, limits: &limits, run, steps };
-    let parts: Result<Vec<Built>, Canceled> = faces
-        .into_par_iter()
-        .enumerate()
-        .map(|(part, faces)| cutter.build(part as u32, faces))
-        .collect();
+    let parts = (0u32..).zip(faces).collect();
+    let whole = |(part, faces): (u32, Vec<u32>)| {
+        let pieces = pieces(&PartMesh::new(surface, faces));
+        pieces.into_iter().map(|faces| (part, faces)).collect()
+    };
+    let components: Vec<Vec<_>> = tasks::map_by_size("components", parts, |p| p.1.len(), whole);
+    let components = components.into_iter().flatten().collect();
+    let weld = |(part, faces)| cutter.build(part, faces);
+    let made: Vec<_> = tasks::map_by_size("component", components, |c| c.1.len(), weld);
     let mut built = Built::default();
-    for part in parts? {
-        built.charts.extend(part.charts);
-        built.orders.extend(part.orders);
+    for made in made {
+        let made = made?;
+        built.charts.extend(made.charts);
+        built.orders.extend(made.orders);
     }
+    built.charts.sort_by_key(|c| (c.part, c.faces.first().copied()));
     Ok(built)
 }
 
@@ -139,17 +144,14 @@ impl Cutter<'_> {
         }
     }
 
+    /// The charts of one component of a part.
     fn build(&self, part: u32, faces: Vec<u32>) -> Result<Built, Canceled> {
-        let mesh = PartMesh::new(self.surface, faces);
+        self.run.cancel.check()?;
         let mut built = Built::default();
-        for faces in pieces(&mesh) {
-            self.run.cancel.check()?;
-            let piece = PartMesh::new(self.surface, faces).seen(self.seen);
-            let tube = tube::fit(&piece);
-            let sides = sides(&piece, tube.as_ref(), self.limits.bound);
-            self.weld(&piece, part, tube.as_ref(), &sides, &mut built)?;
-        }
-        built.charts.sort_by_key(|c| c.faces.first().copied());
+        let piece = PartMesh::new(self.surface, faces).seen(self.seen);
+        let tube = tube::fit(&piece);
+        let sides = sides(&piece, tube.as_ref(), self.limits.bound);
+        self.weld(&piece, part, tube.as_ref(), &sides, &mut built)?;
         Ok(built)
     }
 

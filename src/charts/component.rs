@@ -1,7 +1,6 @@
 //! One connected component of a part joined to charts (docs/method.md, 4.4 to 4.6): what the joining starts
 //! from, rounds of joining charts and moving their seams, and other orders.
 
-use super::ahead::beside;
 use super::joins::merge::merge;
 use super::joins::rejoin::rejoin;
 use super::limits::ChartLimits;
@@ -19,6 +18,7 @@ use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::device::Seeded;
 use crate::flatten;
 use crate::mesh::NONE;
+use crate::tasks::beside;
 
 /// Orders drawn at random in which a part is joined besides the first …
 const RESTARTS: usize = 2;
@@ -98,7 +98,7 @@ impl<'a> Joiner<'a> {
         let early = |is_late: &(dyn Fn() -> bool + Sync)| {
             (sides.is_empty() && !is_late()).then(strips).transpose()
         };
-        let (patches, early) = beside(|| begun(sides), early);
+        let (patches, early) = beside("start", || begun(sides), early);
         let (mut best, early) = (patches?, early?);
         let better =
             |other: &Patchwork, than: &Patchwork| balance(other, limits) < balance(than, limits);

@@ -3,7 +3,6 @@
 //! flattened and are joined along one path at a time, so that holes, handles and closed surfaces are cut
 //! where they must be and never refused.
 
-mod ahead;
 pub mod boundary;
 mod build;
 mod chart;

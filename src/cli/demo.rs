@@ -66,6 +66,8 @@ fn serve_args(data: &Path, device: DeviceChoice) -> Result<serve::Args> {
     args.listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     args.data.root = data.to_path_buf();
     args.workers = 1;
+    // Its output is its own.
+    args.log.quiet = true;
     args.device = device;
     Ok(args)
 }

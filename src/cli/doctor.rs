@@ -3,6 +3,7 @@
 use anyhow::Result;
 
 use crate::device::{self, DeviceChoice};
+use crate::tasks;
 
 /// Arguments of `uvsegnet doctor`.
 #[derive(Debug, clap::Args)]
@@ -15,6 +16,7 @@ pub struct Args {
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
     println!("uvsegnet {}", env!("CARGO_PKG_VERSION"));
+    println!("threads that this process may use: {}", tasks::available());
     println!("devices this program can see:");
     for device in device::available() {
         println!("  {}", device.description());

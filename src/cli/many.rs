@@ -3,7 +3,6 @@
 
 use std::any::Any;
 use std::io::IsTerminal;
-use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,12 +16,11 @@ use super::told;
 use crate::contract::{Budget, Cancel, Limits, Progress, Run, UnwrapOptions};
 use crate::pipeline::{self, Engine, STACK, Unwrapped};
 
-/// How many meshes are worked on at once where nobody says: half as many again as there are cores, since each has
+/// How many meshes are worked on at once where nobody says: half as many again as there are threads, since each has
 /// stretches that run on one thread. Of 40 chairs of 1,000 triangles two cores do 267 a minute two at once, 330
 /// three at once and 336 four at once.
-pub fn at_once() -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    cores + cores / 2
+pub fn at_once(threads: usize) -> usize {
+    threads + threads / 2
 }
 
 /// Unwrap meshes, `at_once` of them at a time, and hand each result to `write`. A file that fails is told, and

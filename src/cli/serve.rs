@@ -2,6 +2,7 @@
 //! and the housekeeping.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
@@ -9,11 +10,13 @@ use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
+use super::log::LogFlag;
 use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
 use crate::jobs::{self, Housekeeping, Keep, Kept, Policy, Schema};
+use crate::tasks;
 use crate::telemetry;
 use crate::worker::Supervisor;
 
@@ -33,6 +36,13 @@ pub struct Args {
     /// Worker processes to start; 0 leaves the work to workers started by hand.
     #[arg(long, value_name = "N", env = "UVSEGNET_WORKERS", default_value_t = 1)]
     pub workers: usize,
+    /// Threads of all workers together, divided among them; by default as many as the processors, the affinity mask
+    /// and the cgroup of the process allow.
+    #[arg(long, value_name = "N", env = "UVSEGNET_THREADS")]
+    pub threads: Option<NonZeroUsize>,
+    /// What is logged.
+    #[command(flatten)]
+    pub log: LogFlag,
     /// Where the workers compute: auto, cpu, gpu or gpu:N.
     #[arg(long, env = "UVSEGNET_DEVICE", default_value_t)]
     pub device: DeviceChoice,
@@ -49,7 +59,7 @@ pub struct Args {
 
 /// Serve until told to stop.
 pub fn run(args: Args) -> Result<()> {
-    telemetry::init();
+    telemetry::init(args.log.told());
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     runtime.block_on(async {
         let stop = CancellationToken::new();
@@ -156,12 +166,13 @@ fn supervisor(args: &Args, queue: Arc<dyn Keep>) -> Result<Supervisor> {
     flags.extend(args.weights.flags());
     flags.extend(args.limits.to_flags());
     flags.extend(args.times.to_flags());
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    flags.extend(args.log.flag());
+    let threads = args.threads.map_or_else(tasks::available, NonZeroUsize::get);
     Ok(Supervisor {
         program: std::env::current_exe().context("cannot find this program")?,
         flags,
         count: args.workers,
-        threads: (cores / args.workers.max(1)).max(1),
+        threads: (threads / args.workers.max(1)).max(1),
         queue,
         drain_timeout: args.times.drain_timeout(),
     })

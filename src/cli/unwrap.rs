@@ -9,6 +9,7 @@ use super::input::{Beside, Files};
 use super::many;
 use super::options::valid;
 use super::outputs::Outputs;
+use super::threads::ThreadsFlag;
 use super::told;
 use super::watched::{self, Quiet};
 use super::weights::WeightFlags;
@@ -38,8 +39,9 @@ pub struct Args {
     /// Which weights the network has.
     #[command(flatten)]
     pub weights: WeightFlags,
-    /// How many of several meshes are worked on at once; as many as there are cores if absent. Each may use the
-    /// How many of several meshes are worked on at once; half as many again as there are cores if absent. Each may
+    #[command(flatten)]
+    pub threads: ThreadsFlag,
+    /// How many of several meshes are worked on at once; half as many again as there are threads if absent. Each may
     /// use the memory of a job.
     #[arg(long, value_name = "N")]
     pub at_once: Option<NonZeroUsize>,
@@ -53,6 +55,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<()> {
     valid(&args.options)?;
     args.outputs.hold(&args.meshes)?;
+    args.threads.start();
     let engine = args.weights.engine(&args.device)?;
     // What is not kept is not drawn.
     let preview = args.options.preview && args.outputs.hold_pictures();
@@ -64,7 +67,8 @@ pub fn run(args: Args) -> Result<()> {
                 args.meshes.len()
             );
         }
-        let at_once = args.at_once.map_or_else(many::at_once, NonZeroUsize::get);
+        let at_once =
+            args.at_once.map_or_else(|| many::at_once(args.threads.count()), NonZeroUsize::get);
         let write = |mesh: &Path, result: &Unwrapped| args.outputs.write(mesh, result);
         return many::unwrap(&args.meshes, at_once, (&options, &engine), args.quiet.quiet, &write);
     };

@@ -7,6 +7,8 @@ use anyhow::{Context, Result};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
+use super::log::LogFlag;
+use super::threads::ThreadsFlag;
 use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
@@ -26,6 +28,12 @@ pub struct Args {
     /// Where to compute: auto, cpu, gpu or gpu:N.
     #[arg(long, env = "UVSEGNET_DEVICE", default_value_t)]
     pub device: DeviceChoice,
+    /// How many threads it has.
+    #[command(flatten)]
+    pub threads: ThreadsFlag,
+    /// What is logged.
+    #[command(flatten)]
+    pub log: LogFlag,
     /// Which weights the network has.
     #[command(flatten)]
     pub weights: WeightFlags,
@@ -46,7 +54,8 @@ pub struct Args {
 
 /// Work until told to stop.
 pub fn run(args: Args) -> Result<()> {
-    telemetry::init();
+    telemetry::init(args.log.told());
+    args.threads.start();
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     if runtime.block_on(work(args))? {
         // Without waiting for the pipeline's thread, which may be what must be got rid of.

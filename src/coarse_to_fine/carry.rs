@@ -3,8 +3,6 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use rayon::prelude::*;
-
 use super::band::Band;
 use super::pieces::Pieces;
 use super::refine::{Refined, Refiner};
@@ -12,6 +10,7 @@ use super::{IN_WAY, near, settle};
 use crate::charts::{self, Chart, ChartOptions};
 use crate::contract::{Canceled, Run};
 use crate::mesh::{NONE, Proxy, Surface};
+use crate::tasks;
 
 /// Rings of faces around those at which a chart could not be carried that are held where the proxy has them;
 /// as many again go along.
@@ -87,9 +86,9 @@ impl<'a> Carrier<'a> {
         };
         let labels = proxy.face.iter().zip(fine_parts).map(carried).collect();
         let any = |part: u32| first.get(&part).copied().unwrap_or(0);
-        let plain = spread(fine, labels, fine_parts, fits, any);
+        let plain = tasks::link("spread", || spread(fine, labels, fine_parts, fits, any));
         let mut band = Band::new(fine, proxy, pieces, plain.clone(), Some(fine_parts));
-        settle(&mut band);
+        tasks::link("band", || settle(&mut band));
         let refined = vec![Err(Vec::new()); coarse.len()];
         Self { surfaces, coarse, pieces, options, run, plain, band, refined }
     }
@@ -221,11 +220,10 @@ impl<'a> Carrier<'a> {
         let refiner = Refiner { fine, proxy, pieces, labels, options, clearance, run };
         let work: Vec<(usize, Vec<u32>)> =
             faces.into_iter().enumerate().filter(|(chart, _)| which[*chart]).collect();
-        work.into_par_iter()
-            .map(|(chart, faces)| {
-                Ok((chart, refiner.refine(&self.coarse[chart], faces, peel, last)?))
-            })
-            .collect()
+        let refine = |(chart, faces): (usize, Vec<u32>)| {
+            Ok((chart, refiner.refine(&self.coarse[chart], faces, peel, last)?))
+        };
+        tasks::map_by_size("chart carried", work, |w| w.1.len(), refine).into_iter().collect()
     }
 }
 

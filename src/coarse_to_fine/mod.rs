@@ -9,8 +9,6 @@ mod prolong;
 mod refine;
 mod tidy;
 
-use rayon::prelude::*;
-
 use crate::charts::{Chart, ChartOptions};
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::flatten::{self, SlimOptions};
@@ -18,6 +16,8 @@ use crate::mesh::{NONE, Proxy, Surface};
 use band::Band;
 use carry::{Carried, Carrier, Surfaces};
 use pieces::{Pieces, Plain, Seams};
+
+use crate::tasks;
 
 /// Islands of at most this share of the area go to their neighbours: what would be less than some 64 texels
 /// of a usual page.
@@ -102,12 +102,14 @@ pub fn charts(
 /// Descent of the proxy's maps, without letting a border touch itself.
 fn polish(coarse: &mut [Chart], proxy: &Proxy, run: &Run) -> Result<(), Canceled> {
     let options = SlimOptions { iterations: STEPS, keep_simple: true, ..Default::default() };
-    coarse.par_iter_mut().try_for_each(|chart| {
-        if chart.faces.first().is_some_and(|&f| proxy.collapsed[f as usize]) {
-            chart.cut_map = flatten::slim(&chart.disk, &chart.cut_map, &options, &run.cancel)?;
-        }
+    let collapsed =
+        |chart: &&mut Chart| chart.faces.first().is_some_and(|&f| proxy.collapsed[f as usize]);
+    let charts = coarse.iter_mut().filter(collapsed).collect();
+    let descend = |chart: &mut Chart| {
+        chart.cut_map = flatten::slim(&chart.disk, &chart.cut_map, &options, &run.cancel)?;
         Ok(())
-    })
+    };
+    tasks::map_by_size("map of a proxy", charts, |c| c.faces.len(), descend).into_iter().collect()
 }
 
 /// Which faces lie within so many rings of others. `twin`: the half-edge across each, or [`NONE`].

@@ -3,11 +3,12 @@
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::refine::{Counterpart, Refiner};
+use super::refine::{Counterpart, Opened, Refiner};
 use crate::charts::{self, Chart, Piece, StartKind};
 use crate::contract::Canceled;
 use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
 use crate::mesh::Place;
+use crate::tasks;
 
 /// What a map's energy may have over its proxy's: so many times the noise floor, and a little for borders that
 /// were moved.
@@ -34,6 +35,12 @@ const SWEPT: usize = 400_000;
 const WORK: usize = 200_000;
 const STEPS: usize = 20;
 const GAIN: f64 = 0.02;
+
+/// Faces from which on a step is solved by conjugate gradients, how many of them it takes, and how many such steps
+/// cost what one with a factor does.
+const MANY: usize = 6_000;
+const CHEAPER: usize = 2;
+const GRADIENTS: u32 = 12;
 
 /// Mean edge of a border.
 fn border_edge(border: &Border, uv: &UvMap) -> f64 {
@@ -76,7 +83,7 @@ impl Refiner<'_> {
     pub fn mapped(
         &self,
         part: &Counterpart,
-        piece: Piece,
+        Opened { piece, border }: Opened,
         last: bool,
     ) -> Result<Result<Chart, Vec<u32>>, Canceled> {
         let Counterpart { chart, mesh, .. } = part;
@@ -84,10 +91,10 @@ impl Refiner<'_> {
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         // The cut may have been made with a higher bound, for `max_charts`.
         let reached = flatten::mean_energy(&chart.disk, &chart.cut_map) - 1.0;
-        let floor = self.noise_floor(&faces, &disk);
+        let floor = tasks::link("noise floor", || self.noise_floor(&faces, &disk));
         let most = self.options.distortion_bound.max(reached) + FLOORS * floor + MOVED;
         let sweeps = (SWEPT / faces.len().max(1)).clamp(SWEEPS[0], SWEEPS[1]) as u32;
-        let unmapped = Unmapped { chart, border: Border::of(&disk), faces, disk, most, sweeps };
+        let unmapped = Unmapped { chart, border, faces, disk, most, sweeps };
         let (mut best, trouble) = match self.carried(&unmapped)? {
             Ok(uv) => (Some((uv, StartKind::Prolonged)), Vec::new()),
             Err(trouble) => (None, trouble),
@@ -115,27 +122,32 @@ impl Refiner<'_> {
     }
 
     fn is_sound(&self, unmapped: &Unmapped, uv: &UvMap) -> bool {
-        charts::is_sound_within(&unmapped.border, &unmapped.disk, uv, self.clearance)
+        tasks::link("proof", || {
+            charts::is_sound_within(&unmapped.border, &unmapped.disk, uv, self.clearance)
+        })
     }
 
     /// The proxy's map carried over, proved and polished, or the faces of the surface at which that fails.
     fn carried(&self, unmapped: &Unmapped) -> Result<Result<UvMap, Vec<u32>>, Canceled> {
         let Unmapped { chart, faces, disk, border, .. } = unmapped;
-        let Some(carried) = flatten::extend(disk, self.prolonged(chart, faces, disk)) else {
+        let Some(carried) =
+            tasks::link("prolong", || flatten::extend(disk, self.prolonged(chart, faces, disk)))
+        else {
             return Ok(Err(Vec::new()));
         };
-        let mended = match flatten::untangle(disk, carried) {
+        let mended = match tasks::link("untangle", || flatten::untangle(disk, carried)) {
             Ok(mended) => mended,
             Err(flipped) => return Ok(Err(flipped.iter().map(|&f| faces[f as usize]).collect())),
         };
-        let mut uv = flatten::relax(disk, mended, unmapped.sweeps, &self.run.cancel)?;
+        let relaxed = || flatten::relax(disk, mended, unmapped.sweeps, &self.run.cancel);
+        let mut uv = tasks::link("relax", relaxed)?;
         if !unmapped.fits(&uv) {
             uv = self.descended(disk, &uv, false)?;
         }
         if !self.is_sound(unmapped, &uv) {
-            let at = flatten::touching(border, &uv, self.clearance);
+            let at = tasks::link("touching", || flatten::touching(border, &uv, self.clearance));
             let gap = (GAP * border_edge(border, &uv)).max(2.0 * self.clearance);
-            let apart = flatten::separate(disk, uv, border, gap);
+            let apart = tasks::link("separate", || flatten::separate(disk, uv, border, gap));
             let Some(apart) = apart.filter(|uv| self.is_sound(unmapped, uv)) else {
                 let touches = |t: &[u32; 3]| t.iter().any(|v| at.binary_search(v).is_ok());
                 let own = faces.iter().zip(&disk.triangles).filter(|(_, t)| touches(t));
@@ -164,12 +176,15 @@ impl Refiner<'_> {
     /// Newton steps, as many as there are in so much work. `keep_simple`: whether the border may not come to touch
     /// itself.
     fn descended(&self, disk: &Disk, uv: &UvMap, keep_simple: bool) -> Result<UvMap, Canceled> {
-        let iterations = (WORK / disk.triangles.len().max(1)).clamp(1, STEPS) as u32;
+        let many = disk.triangles.len() > MANY;
+        let work = if many { CHEAPER * WORK } else { WORK };
+        let iterations = (work / disk.triangles.len().max(1)).clamp(1, STEPS) as u32;
         let options = SlimOptions {
             iterations,
             keep_simple,
             newton: true,
             tolerance: GAIN,
+            gradients: many.then_some(GRADIENTS),
             ..Default::default()
         };
         flatten::slim(disk, uv, &options, &self.run.cancel)

@@ -9,8 +9,9 @@ use super::pieces::{Pieces, Seams};
 use super::{IN_WAY, near};
 use crate::charts::{self, Chart, ChartOptions, ChartShape, PartMesh, Piece};
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, Border, Disk};
+use crate::flatten::{self, Border};
 use crate::mesh::{NONE, Proxy, Surface};
+use crate::tasks;
 
 /// Rings of faces around an overlap in which a cut is closed.
 const CLOSED: u32 = 12;
@@ -44,6 +45,12 @@ pub struct Counterpart<'a> {
     apart: Vec<bool>,
 }
 
+/// A piece of a counterpart as a disk of its own, and its border.
+pub struct Opened {
+    pub piece: Piece,
+    pub border: Border,
+}
+
 impl Refiner<'_> {
     /// A chart of the proxy on the fine surface: `faces` (ascending) carry its label. Where it must be divided on
     /// the proxy the fine faces at which it fails; the `last` time it is divided here.
@@ -59,12 +66,13 @@ impl Refiner<'_> {
             return Ok(Ok(vec![self.as_it_is(chart)]));
         }
         let last = last || chart.faces.len() == 1;
-        let part = self.counterpart(chart, faces);
+        let part = tasks::link("counterpart", || self.counterpart(chart, faces));
         let all: Vec<u32> = (0..part.mesh.len() as u32).collect();
         let mut charts = Vec::new();
         for faces in part.mesh.components(&all, |h| part.glued[h as usize]) {
             self.run.cancel.check()?;
-            let mut mapped = self.mapped(&part, self.opened(&part, &faces, &part.glued), last)?;
+            let opened = tasks::link("open", || self.opened(&part, &faces, &part.glued));
+            let mut mapped = self.mapped(&part, opened, last)?;
             if let Err(trouble) = &mapped
                 && let Some(made) = self.closed(&part, &faces, trouble)?
             {
@@ -236,16 +244,14 @@ impl Refiner<'_> {
     }
 
     /// Faces cut open as the proxy's chart is, or where noise has left a hole or a handle more, to a disk.
-    fn opened(&self, part: &Counterpart, faces: &[u32], glued: &[bool]) -> Piece {
+    fn opened(&self, part: &Counterpart, faces: &[u32], glued: &[bool]) -> Opened {
         let mesh = &part.mesh;
-        let piece = mesh.cut_open(faces.to_vec(), glued);
-        let topology = |disk: &Disk| {
-            let border = Border::of(disk);
-            (border.loops.len(), border.euler)
-        };
-        let have = topology(&piece.disk);
-        if have == (1, 1) || have == topology(&part.chart.disk) {
-            return piece;
+        let piece = tasks::link("cut open", || mesh.cut_open(faces.to_vec(), glued));
+        let border = tasks::link("border", || Border::of(&piece.disk));
+        let topology = |border: &Border| (border.loops.len(), border.euler);
+        let have = topology(&border);
+        if have == (1, 1) || have == topology(&Border::of(&part.chart.disk)) {
+            return Opened { piece, border };
         }
         let whole =
             PartMesh::new(self.fine, faces.iter().map(|&f| mesh.faces[f as usize]).collect());
@@ -256,6 +262,7 @@ impl Refiner<'_> {
         });
         let all = (0..whole.len() as u32).collect();
         let Piece { disk, vertices, .. } = whole.cut_open(all, &opened);
-        Piece { faces: faces.to_vec(), disk, vertices }
+        let border = Border::of(&disk);
+        Opened { piece: Piece { faces: faces.to_vec(), disk, vertices }, border }
     }
 }

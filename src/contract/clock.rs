@@ -64,7 +64,7 @@ impl Clock {
     }
 
     /// The cost so far.
-    pub fn cost(&mut self, steps: u32, device: &str) -> Cost {
+    pub fn cost(&mut self, steps: u32, device: &str, threads: usize) -> Cost {
         self.end_stage();
         Cost {
             stages: self.stages.clone(),
@@ -73,6 +73,7 @@ impl Clock {
             peak_memory_mib: peak_memory_mib(),
             steps,
             device: device.to_owned(),
+            threads: u32::try_from(threads).unwrap_or(u32::MAX),
         }
     }
 }
@@ -113,7 +114,7 @@ mod tests {
         for stage in [Stage::Polish, Stage::Pack, Stage::Polish] {
             clock.stage(stage);
         }
-        let cost = clock.cost(0, "none");
+        let cost = clock.cost(0, "none", 1);
         let names: Vec<_> = cost.stages.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["polish", "pack"]);
         assert!(cost.stages.iter().map(|s| s.wall_s).sum::<f64>() <= cost.wall_s);
@@ -129,7 +130,7 @@ mod tests {
             clock.count(3);
             wait();
         }
-        let cost = clock.cost(0, "none");
+        let cost = clock.cost(0, "none", 1);
         let [polish, pack] = &cost.stages[..] else { panic!("{:?}", cost.stages) };
         assert!(polish.wall_s >= 0.04 && pack.wall_s >= 0.02, "{cost:?}");
         assert!(polish.wall_s + pack.wall_s <= cost.wall_s, "{cost:?}");
@@ -152,13 +153,13 @@ mod tests {
     #[test]
     fn work_costs_cpu_and_memory() {
         let mut clock = Clock::new();
-        let before = clock.cost(0, "none").cpu_s;
+        let before = clock.cost(0, "none", 1).cpu_s;
         let begun = Instant::now();
         let mut sum = 0u64;
         while cpu_seconds() - clock.begun_cpu < 0.05 && begun.elapsed().as_secs() < 60 {
             sum = (0..100_000u64).fold(sum, |sum, i| std::hint::black_box(sum ^ i));
         }
-        let cost = clock.cost(0, "none");
+        let cost = clock.cost(0, "none", 1);
         assert!(before < 60.0 && cost.cpu_s >= 0.05 && cost.cpu_s < 600.0, "{cost:?}");
         // A test holds more than three megabytes and less than all there is.
         assert!(cost.peak_memory_mib.is_some_and(|m| (3.0..1e6).contains(&m)), "{cost:?}");

@@ -255,6 +255,9 @@ pub struct Cost {
     pub steps: u32,
     /// Device that trained.
     pub device: String,
+    /// Threads that the job could use.
+    #[serde(default)]
+    pub threads: u32,
 }
 
 /// Units of the figures that have one.

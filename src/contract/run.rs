@@ -152,8 +152,8 @@ impl Run {
     }
 
     /// What the run has cost so far.
-    pub fn cost(&self, steps: u32, device: &str) -> Cost {
-        self.clock().cost(steps, device)
+    pub fn cost(&self, steps: u32, device: &str, threads: usize) -> Cost {
+        self.clock().cost(steps, device, threads)
     }
 
     /// Whether `stage` should have ended by now. Whoever takes a cheaper form then says so with

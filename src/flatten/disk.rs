@@ -1,7 +1,10 @@
 //! One chart as a triangle mesh of its own, cut open: a vertex on a cut stands once for each side.
 //! Holds each triangle's rest shape, so that the Jacobian of any map is one small product.
 
+use super::{FlattenError, Pattern};
 use glam::{DMat2, DVec2, DVec3};
+
+use crate::tasks;
 
 /// One coordinate pair a vertex of a [`Disk`], world units, v up.
 pub type UvMap = Vec<DVec2>;
@@ -23,20 +26,20 @@ pub struct Disk {
 impl Disk {
     /// A disk from vertices and triangles; computes areas and rest shapes.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let mut areas = Vec::with_capacity(triangles.len());
-        let mut rest = Vec::with_capacity(triangles.len());
-        for t in &triangles {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
+        let flat = |f: usize| {
+            let [a, b, c] = triangles[f].map(|v| positions[v as usize]);
             let flat = flatten_triangle(a, b, c);
             let area = 0.5 * flat[1].x * flat[2].y;
-            areas.push(area);
-            rest.push(if area > 0.0 {
-                DMat2::from_cols(flat[1], flat[2]).inverse()
-            } else {
-                DMat2::ZERO
-            });
-        }
+            let edges = DMat2::from_cols(flat[1], flat[2]);
+            (area, if area > 0.0 { edges.inverse() } else { DMat2::ZERO })
+        };
+        let (areas, rest) = tasks::fill("rest shapes", triangles.len(), flat).into_iter().unzip();
         Self { positions, triangles, areas, rest }
+    }
+
+    /// The pattern of systems on its vertices.
+    pub fn pattern(&self) -> Result<Pattern, FlattenError> {
+        Pattern::of(self.positions.len(), &self.triangles)
     }
 
     /// Total 3D area.

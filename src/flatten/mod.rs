@@ -5,6 +5,8 @@
 mod border;
 mod classical;
 mod clearance;
+mod coarse;
+mod colors;
 mod disk;
 mod error;
 mod extend;
@@ -12,9 +14,11 @@ mod fans;
 mod harmonic;
 mod injective;
 mod jacobian;
+mod krylov;
 mod lscm;
 mod model;
 mod overlap;
+mod pattern;
 mod pinches;
 mod planar;
 mod rectangle;
@@ -51,6 +55,7 @@ pub use jacobian::{
 };
 pub use lscm::lscm;
 pub use overlap::{list_overlapping_pairs, overlap_depth, overlapping_pairs};
+pub use pattern::Pattern;
 pub use pinches::parted;
 pub use planar::planar;
 pub use rectangle::smallest_rectangle;

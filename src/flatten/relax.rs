@@ -1,16 +1,18 @@
-//! Descent on the symmetric Dirichlet energy vertex by vertex: each vertex in turn takes the projected Newton
+//! Descent on the symmetric Dirichlet energy vertex by vertex, colour by colour: each vertex takes the projected Newton
 //! step of its own faces (nonlinear Gauss–Seidel; Ortega & Rheinboldt 1970, 7.4), shortened until no face
 //! flips and the energy falls. It needs no matrix and smooths what is short-waved in a few sweeps, which is
 //! all that a map carried over from a coarser mesh leaves to do.
 
 use glam::{DMat2, DVec2};
 
-use super::fans::{Fans, shortened};
+use super::colors::colors;
+use super::fans::Fans;
 use super::jacobian::{symmetric_dirichlet, symmetric_dirichlet_gradient};
 use super::lscm::hat_gradients;
 use super::model::Model;
 use super::{Disk, UvMap};
 use crate::contract::{Cancel, Canceled};
+use crate::tasks;
 
 /// Times that a step is halved before the vertex stays.
 const HALVINGS: u32 = 4;
@@ -26,13 +28,18 @@ const SWEEPS: u32 = 4;
 /// Sweep over all vertices, and on about faces that are strained. A map without flips stays without; others are
 /// improved where they can be. The map is taken as it is scaled.
 pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result<UvMap, Canceled> {
-    let fans = Fans::of(disk);
+    let fans = tasks::link("fans", || Fans::of(disk));
+    let colors = tasks::link("colors", || colors(disk, &fans));
     for sweep in 0..sweeps {
         cancel.check()?;
-        // Back and forth, so that no direction is favoured.
-        for i in 0..uv.len() {
-            let v = if sweep % 2 == 0 { i } else { uv.len() - 1 - i };
-            step(disk, &mut uv, v, fans.at(v));
+        for i in 0..colors.len() {
+            // Back and forth, so that no colour is favoured.
+            let color = &colors[if sweep % 2 == 0 { i } else { colors.len() - 1 - i }];
+            let moved = tasks::fill("sweep", color.len(), |i| {
+                let v = color[i] as usize;
+                stepped(disk, &uv, v, fans.at(v))
+            });
+            color.iter().zip(moved).for_each(|(&v, p)| uv[v as usize] = p);
         }
     }
     for _ in 0..ROUNDS {
@@ -48,22 +55,30 @@ pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result
         let around = fans.around(disk, &strained, RINGS);
         for _ in 0..SWEEPS {
             for &(v, _) in &around {
-                step(disk, &mut uv, v as usize, fans.at(v as usize));
+                uv[v as usize] = stepped(disk, &uv, v as usize, fans.at(v as usize));
             }
         }
     }
     Ok(uv)
 }
 
-fn energy(disk: &Disk, uv: &[DVec2], fan: &[u32]) -> f64 {
+/// Energy of the faces around a vertex that lies at `at`.
+fn energy(disk: &Disk, uv: &[DVec2], (v, at): (usize, DVec2), fan: &[u32]) -> f64 {
+    let place = |w: u32| if w as usize == v { at } else { uv[w as usize] };
+    let jacobian = |f: usize| {
+        let [a, b, c] = disk.triangles[f].map(place);
+        DMat2::from_cols(b - a, c - a) * disk.rest[f]
+    };
     fan.iter()
         .map(|&c| c as usize / 3)
         .filter(|&f| disk.areas[f] > 0.0)
-        .map(|f| disk.areas[f] * symmetric_dirichlet(disk.jacobian(f, uv)))
+        .map(|f| disk.areas[f] * symmetric_dirichlet(jacobian(f)))
         .sum()
 }
 
-fn step(disk: &Disk, uv: &mut UvMap, v: usize, fan: &[u32]) {
+/// Where a vertex goes.
+fn stepped(disk: &Disk, uv: &[DVec2], v: usize, fan: &[u32]) -> DVec2 {
+    let from = uv[v];
     let (mut gradient, mut hessian, mut before) = (DVec2::ZERO, DMat2::ZERO, 0.0);
     for &c in fan {
         let (f, k) = (c as usize / 3, c as usize % 3);
@@ -74,7 +89,7 @@ fn step(disk: &Disk, uv: &mut UvMap, v: usize, fan: &[u32]) {
         let j = disk.jacobian(f, uv);
         let here = symmetric_dirichlet(j);
         if !here.is_finite() {
-            return;
+            return from;
         }
         before += area * here;
         let hat = hat_gradients(&disk.rest[f])[k];
@@ -83,9 +98,10 @@ fn step(disk: &Disk, uv: &mut UvMap, v: usize, fan: &[u32]) {
     }
     let direction = hessian.inverse() * -gradient;
     if !direction.is_finite() {
-        return;
+        return from;
     }
-    shortened(uv, v, direction, HALVINGS, |uv| energy(disk, uv, fan) < before);
+    let tries = (0..HALVINGS).map(|k| from + direction * 0.5f64.powi(k as i32));
+    tries.into_iter().find(|&at| energy(disk, uv, (v, at), fan) < before).unwrap_or(from)
 }
 
 #[cfg(test)]

@@ -6,18 +6,22 @@
 //! With g the gradient of the mean energy and H the Hessian of the model, a step solves H d = −g:
 //! one sparse Cholesky factorisation on a pattern that is analysed once.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::injective::{is_positive, is_simple};
 use super::jacobian::{
     mean_energy, rescale, rescale_optimally, symmetric_dirichlet, symmetric_dirichlet_gradient,
 };
+use super::krylov::Rows;
 use super::lscm::hat_gradients;
 use super::model::Model;
 use super::step::longest_step;
 use super::system::BlockSystem;
-use super::{Border, Disk, UvMap};
+use super::{Border, Disk, FlattenError, Pattern, UvMap};
 use crate::contract::{Cancel, Canceled};
+use crate::tasks;
 
 /// When the descent ends, and what it keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +39,8 @@ pub struct SlimOptions {
     pub keep_simple: bool,
     /// Take Newton's steps from the first on: for a start that is near the optimum.
     pub newton: bool,
+    /// Solve by so many conjugate gradients instead of a factor: for a large disk whose map lacks short waves alone.
+    pub gradients: Option<u32>,
 }
 
 impl Default for SlimOptions {
@@ -46,6 +52,7 @@ impl Default for SlimOptions {
             give_up: None,
             keep_simple: false,
             newton: false,
+            gradients: None,
         }
     }
 }
@@ -98,6 +105,17 @@ impl Slim {
         options: &SlimOptions,
         cancel: &Cancel,
     ) -> Result<Self, Canceled> {
+        Self::descend_on(disk, None, start, options, cancel)
+    }
+
+    /// The same where the disk's pattern may be known.
+    pub fn descend_on(
+        disk: &Disk,
+        pattern: Option<&Pattern>,
+        start: &UvMap,
+        options: &SlimOptions,
+        cancel: &Cancel,
+    ) -> Result<Self, Canceled> {
         let scaled = rescale(disk, start.clone());
         let before = mean_energy(disk, &scaled);
         if !before.is_finite() {
@@ -105,11 +123,35 @@ impl Slim {
             return Ok(Self { uv: start.clone(), energies: Vec::new(), converged: false });
         }
         let mut descent = Descent::new(disk, rescale_optimally(disk, scaled.clone()), options);
-        let converged = descent.run(options, cancel)?;
+        let converged = descent.run(pattern, options, cancel)?;
         let uv = rescale(disk, descent.uv);
         let better = mean_energy(disk, &uv) <= before;
         let energies = descent.energies;
         Ok(Self { uv: if better { uv } else { scaled }, energies, converged })
+    }
+}
+
+/// What finds a step.
+enum Solver {
+    Factor(Box<BlockSystem>),
+    /// With how many iterations.
+    Gradients(Rows, u32),
+}
+
+impl Solver {
+    fn of(
+        disk: &Disk,
+        pattern: Option<&Pattern>,
+        gradients: Option<u32>,
+    ) -> Result<Self, FlattenError> {
+        if let Some(iterations) = gradients {
+            return Ok(Self::Gradients(Rows::of(disk), iterations));
+        }
+        let analysed = || match pattern {
+            Some(pattern) => BlockSystem::on(pattern, disk.triangles.clone()),
+            None => BlockSystem::new(disk.positions.len(), disk.triangles.clone()),
+        };
+        tasks::link("analyse", analysed).map(|system| Self::Factor(Box::new(system)))
     }
 }
 
@@ -130,27 +172,25 @@ impl<'a> Descent<'a> {
     }
 
     /// Whether it ended by itself.
-    fn run(&mut self, options: &SlimOptions, cancel: &Cancel) -> Result<bool, Canceled> {
+    fn run(
+        &mut self,
+        pattern: Option<&Pattern>,
+        options: &SlimOptions,
+        cancel: &Cancel,
+    ) -> Result<bool, Canceled> {
         let mut energy = self.energy(&self.uv);
         self.energies.push(energy);
         let done = |energy: f64| energy <= options.target.unwrap_or(1.0).max(1.0 + ISOMETRY);
         if done(energy) || options.iterations == 0 {
             return Ok(done(energy));
         }
-        let unknowns = self.uv.len();
-        let Ok(mut system) = BlockSystem::new(unknowns, self.disk.triangles.clone()) else {
+        let Ok(mut solver) = Solver::of(self.disk, pattern, options.gradients) else {
             return Ok(false);
         };
         let mut newton = options.newton;
         for _ in 0..options.iterations {
             cancel.check()?;
-            let gradient = self.assemble(&mut system, newton);
-            if system.factorize(DAMPING).is_err() {
-                return Ok(false);
-            }
-            let mut step: Vec<f64> = gradient.iter().flat_map(|g| [-g.x, -g.y]).collect();
-            system.solve(&mut step);
-            let step: UvMap = step.chunks_exact(2).map(|d| DVec2::new(d[0], d[1])).collect();
+            let Ok((gradient, step)) = self.solved(&mut solver, newton) else { return Ok(false) };
             let slope: f64 = gradient.iter().zip(&step).map(|(g, d)| g.dot(*d)).sum();
             let hopeless = |energy: f64, taken: f64| {
                 let left = energy - options.target.unwrap_or(1.0);
@@ -160,7 +200,7 @@ impl<'a> Descent<'a> {
             if hopeless(energy, -0.5 * slope) {
                 return Ok(false);
             }
-            let next = self.search(&step, slope, energy);
+            let next = tasks::link("line search", || self.search(&step, slope, energy));
             self.energies.extend(next);
             let share = next.map_or(0.0, |next| (energy - next) / (energy - 1.0));
             let taken = next.map_or(0.0, |next| energy - next);
@@ -178,16 +218,49 @@ impl<'a> Descent<'a> {
 
     /// Area-weighted mean; infinite for a map with a flip, by exact sign.
     fn energy(&self, uv: &[DVec2]) -> f64 {
-        let mut sum = 0.0;
-        for (f, &area) in self.disk.areas.iter().enumerate() {
-            if area > 0.0 {
-                if !is_positive(self.disk.triangles[f].map(|v| uv[v as usize])) {
-                    return f64::INFINITY;
+        let of = |f: usize| match self.disk.areas[f] {
+            area if area <= 0.0 => 0.0,
+            _ if !is_positive(self.disk.triangles[f].map(|v| uv[v as usize])) => f64::INFINITY,
+            area => area * symmetric_dirichlet(self.disk.jacobian(f, uv)),
+        };
+        let block = |faces: Range<usize>| {
+            let mut sum = 0.0;
+            for f in faces {
+                sum += of(f);
+                if sum.is_infinite() {
+                    break;
                 }
-                sum += area * symmetric_dirichlet(self.disk.jacobian(f, uv));
+            }
+            sum
+        };
+        let blocks = tasks::blocks("energy", self.disk.triangles.len(), block);
+        blocks.into_iter().sum::<f64>() / self.area
+    }
+
+    /// The gradient of the mean energy, and the step of its model.
+    fn solved(
+        &self,
+        solver: &mut Solver,
+        newton: bool,
+    ) -> Result<(Vec<DVec2>, UvMap), FlattenError> {
+        match solver {
+            Solver::Factor(system) => {
+                let gradient = tasks::link("assemble", || self.assemble(system, newton));
+                tasks::link("factorise", || system.factorize(DAMPING))?;
+                let mut step: Vec<f64> = gradient.iter().flat_map(|g| [-g.x, -g.y]).collect();
+                tasks::link("solve", || system.solve(&mut step));
+                let step = step.chunks_exact(2).map(|d| DVec2::new(d[0], d[1])).collect();
+                Ok((gradient, step))
+            }
+            Solver::Gradients(rows, iterations) => {
+                let model = if newton { Model::newton } else { Model::reweighted };
+                let system = tasks::link("assemble", || {
+                    rows.assemble(self.disk, &self.uv, self.area, model)
+                });
+                let step = tasks::link("gradients", || rows.solve(&self.uv, &system, *iterations));
+                Ok((system.gradient, step))
             }
         }
-        sum / self.area
     }
 
     /// Fill the model's Hessian and return the gradient, both of the mean energy.
@@ -221,6 +294,9 @@ impl<'a> Descent<'a> {
             return None;
         }
         let longest = SHORT_OF_COLLAPSE * longest_step(self.disk, &self.uv, step);
+        if std::env::var("DBG").is_ok() {
+            eprintln!("longest {longest}");
+        }
         let mut t = longest.min(1.0);
         for _ in 0..HALVINGS {
             let moved: UvMap = self.uv.iter().zip(step).map(|(p, d)| p + d * t).collect();
@@ -244,141 +320,4 @@ fn boundary_is_simple(border: &Border, uv: &[DVec2]) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::flatten::count_flips;
-    use crate::flatten::{certify, lscm, quality, samples, start_map, tutte};
-    use glam::DVec3;
-    use proptest::prelude::*;
-    use std::f64::consts::TAU;
-
-    fn run(disk: &Disk, start: &UvMap, iterations: u32) -> Slim {
-        let options = SlimOptions { iterations, tolerance: 1e-7, ..Default::default() };
-        Slim::descend(disk, start, &options, &Cancel::default()).unwrap()
-    }
-
-    #[test]
-    fn the_gradient_agrees_with_finite_differences() {
-        let disk = samples::barrel(6, 4);
-        let uv = tutte(&disk).unwrap();
-        let mut descent = Descent::new(&disk, uv, &SlimOptions::default());
-        let mut system = BlockSystem::new(descent.uv.len(), disk.triangles.clone()).unwrap();
-        let gradient = descent.assemble(&mut system, true);
-        for (v, force) in gradient.into_iter().enumerate() {
-            for (axis, want) in [(DVec2::X, force.x), (DVec2::Y, force.y)] {
-                let mut at = |h: f64| {
-                    let kept = descent.uv[v];
-                    descent.uv[v] += axis * h;
-                    let energy = descent.energy(&descent.uv);
-                    descent.uv[v] = kept;
-                    energy
-                };
-                let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
-                assert!(
-                    (difference - want).abs() < 1e-5 * (1.0 + want.abs()),
-                    "{difference} {want}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn a_cut_cylinder_reaches_the_isometry_from_tutte() {
-        let disk = samples::tube(24, 8, TAU, 0.5, 0.5, 2.0);
-        let slim = run(&disk, &tutte(&disk).unwrap(), 200);
-        let q = quality(&disk, &slim.uv);
-        assert!(slim.converged && q.mean - 1.0 < 1e-6, "{} {:?}", slim.energies.len(), q);
-        assert!(certify(&disk, &slim.uv).is_injective());
-    }
-
-    #[test]
-    fn the_barrel_reaches_one_optimum_from_all_starts() {
-        let disk = samples::barrel(32, 16);
-        let from = |start: UvMap| {
-            let slim = run(&disk, &start, 400);
-            assert!(slim.energies.windows(2).all(|e| e[1] < e[0]), "monotone");
-            assert!(certify(&disk, &slim.uv).is_injective());
-            slim.energies[slim.energies.len() - 1]
-        };
-        let (conformal, circle) = (from(lscm(&disk).unwrap()), from(tutte(&disk).unwrap()));
-        assert!((conformal - circle).abs() < 1e-5, "{conformal} {circle}");
-        assert!(conformal < 1.02 && conformal > 1.001, "{conformal}");
-    }
-
-    #[test]
-    fn never_worse_than_the_start_and_at_the_area_of_the_surface() {
-        let disk = samples::barrel(20, 10);
-        let start = tutte(&disk).unwrap();
-        for iterations in [0, 1, 3] {
-            let slim = run(&disk, &start, iterations);
-            assert!(quality(&disk, &slim.uv).mean <= quality(&disk, &start).mean);
-            assert!((crate::flatten::scale(&disk, &slim.uv) - 1.0).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn a_start_with_flips_comes_back() {
-        let (disk, uv) = samples::plane(3, 3, 1.0, 1.0);
-        let mut bad = uv;
-        bad[5] = DVec2::new(0.9, 0.9);
-        let back = slim(&disk, &bad, &SlimOptions::default(), &Cancel::default()).unwrap();
-        assert!(count_flips(&disk, &back) > 0);
-        assert!(run(&disk, &bad, 5).energies.is_empty());
-    }
-
-    #[test]
-    fn the_target_and_cancel_end_it() {
-        let disk = samples::barrel(20, 10);
-        let start = tutte(&disk).unwrap();
-        let target = SlimOptions { target: Some(1.05), ..Default::default() };
-        let slim = Slim::descend(&disk, &start, &target, &Cancel::default()).unwrap();
-        assert!(slim.converged && *slim.energies.last().unwrap() <= 1.05);
-        // Near the optimum no step promises to come to an isometry.
-        let near = run(&disk, &start, 12).uv;
-        let hopeless = SlimOptions { give_up: Some(2.5), newton: true, ..Default::default() };
-        let slim = Slim::descend(&disk, &near, &hopeless, &Cancel::default()).unwrap();
-        assert!(!slim.converged && slim.energies.len() == 1, "{:?}", slim.energies);
-        let cancel = Cancel::default();
-        cancel.cancel();
-        assert_eq!(Slim::descend(&disk, &start, &target, &cancel), Err(Canceled));
-    }
-
-    #[test]
-    fn keeping_the_boundary_simple_keeps_the_map_injective() {
-        // A flat strip wound 1.3 times: its isometry overlaps.
-        let disk = samples::bent(64, 3, |x, y| {
-            let radius = 0.6 + y;
-            let spiral = DVec2::from_angle(1.3 * TAU * x) * radius;
-            spiral.extend(0.0)
-        });
-        let start = tutte(&disk).unwrap();
-        let free = run(&disk, &start, 100);
-        assert!(!certify(&disk, &free.uv).simple_boundary);
-        let options = SlimOptions { iterations: 100, keep_simple: true, ..Default::default() };
-        let kept = Slim::descend(&disk, &start, &options, &Cancel::default()).unwrap();
-        assert!(certify(&disk, &kept.uv).is_injective());
-        assert!(quality(&disk, &kept.uv).mean < quality(&disk, &start).mean);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(24))]
-
-        #[test]
-        fn descent_is_monotone_and_never_flips(
-            seed in prop::collection::vec(-0.3..0.3f64, 64),
-            squeeze in -6.0..0.0f64,
-        ) {
-            // Slivers included: the grid is squeezed by up to 1e-6.
-            let disk = samples::bent(7, 7, |x, y| {
-                let k = (7.0 * y).round() as usize * 8 + (7.0 * x).round() as usize;
-                DVec3::new(x, y * 10f64.powf(squeeze), seed[k] * 10f64.powf(squeeze))
-            });
-            let (start, _) = start_map(&disk, None);
-            let slim = run(&disk, &start, 30);
-            prop_assert!(slim.energies.windows(2).all(|e| e[1] < e[0]));
-            prop_assert_eq!(count_flips(&disk, &slim.uv), 0);
-            prop_assert!(quality(&disk, &slim.uv).mean <= quality(&disk, &start).mean);
-            prop_assert_eq!(&run(&disk, &start, 30), &slim);
-        }
-    }
-}
+mod tests;

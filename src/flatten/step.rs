@@ -2,24 +2,28 @@
 //! with Free Boundaries", 2015, section 5): the area along a straight motion is a quadratic in the
 //! step, and its least positive root is where the triangle collapses.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::Disk;
+use crate::tasks;
 
 /// The longest step t for which every triangle keeps its orientation on all of [0, t), when the
 /// vertices move from `uv` along `direction`; infinite when none ever collapses.
 pub(super) fn longest_step(disk: &Disk, uv: &[DVec2], direction: &[DVec2]) -> f64 {
-    let mut longest = f64::INFINITY;
-    for (t, &area) in disk.triangles.iter().zip(&disk.areas) {
-        if area > 0.0 {
-            let [a, b, c] = t.map(|v| v as usize);
-            let (e, g) = (uv[b] - uv[a], uv[c] - uv[a]);
-            let (de, dg) = (direction[b] - direction[a], direction[c] - direction[a]);
-            let linear = de.perp_dot(g) + e.perp_dot(dg);
-            longest = longest.min(first_root(de.perp_dot(dg), linear, e.perp_dot(g)));
-        }
-    }
-    longest
+    let of = |f: usize| {
+        let [a, b, c] = disk.triangles[f].map(|v| v as usize);
+        let (e, g) = (uv[b] - uv[a], uv[c] - uv[a]);
+        let (de, dg) = (direction[b] - direction[a], direction[c] - direction[a]);
+        let linear = de.perp_dot(g) + e.perp_dot(dg);
+        first_root(de.perp_dot(dg), linear, e.perp_dot(g))
+    };
+    let longest = |faces: Range<usize>| {
+        faces.filter(|&f| disk.areas[f] > 0.0).map(of).fold(f64::INFINITY, f64::min)
+    };
+    let blocks = tasks::blocks("longest step", disk.triangles.len(), longest);
+    blocks.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// Least positive root of a t² + b t + c with c > 0; infinite where there is none.

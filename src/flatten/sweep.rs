@@ -6,6 +6,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::tasks;
+
 /// Boxes sorted into bands. Boxes with a coordinate that is not finite meet nothing.
 pub struct Sweep {
     boxes: Vec<[DVec2; 2]>,
@@ -97,7 +99,7 @@ impl Sweep {
             });
             count
         };
-        (0..self.bands()).into_par_iter().map(band).sum()
+        tasks::even("overlaps", self.bands(), || (0..self.bands()).into_par_iter().map(band).sum())
     }
 
     /// Every pair i < j of boxes that meet and for which `test` holds, in ascending order.
@@ -112,7 +114,10 @@ impl Sweep {
             });
             pairs
         };
-        let mut pairs: Vec<_> = (0..self.bands()).into_par_iter().flat_map_iter(band).collect();
+        let bands = 0..self.bands();
+        let mut pairs: Vec<_> = tasks::even("overlaps", bands.len(), || {
+            bands.into_par_iter().flat_map_iter(band).collect()
+        });
         pairs.sort_unstable();
         pairs
     }

@@ -7,7 +7,6 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -17,9 +16,8 @@ use faer::{Conj, MatMut, Par, Side};
 use glam::DMat2;
 
 use super::FlattenError;
-
-/// A corner whose vertex is no unknown.
-pub(super) const PINNED: u32 = u32::MAX;
+pub(super) use super::pattern::PINNED;
+use super::pattern::Pattern;
 
 /// The blocks of one system, its pattern's analysis, and its factor.
 pub(super) struct BlockSystem {
@@ -39,43 +37,38 @@ impl BlockSystem {
     /// Analyse the pattern of `unknowns` vertices joined by triangles, whose corners are unknowns
     /// or [`PINNED`].
     pub fn new(unknowns: usize, triangles: Vec<[u32; 3]>) -> Result<Self, FlattenError> {
-        let edge = |t: &[u32; 3], k: usize| {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            (a != b && a != PINNED && b != PINNED).then_some((a.min(b), a.max(b)))
-        };
-        let mut edges: Vec<(u32, u32)> =
-            triangles.iter().flat_map(|t| (0..3).filter_map(|k| edge(t, k))).collect();
-        edges.sort_unstable();
-        edges.dedup();
+        let pattern = Pattern::of(unknowns, &triangles)?;
+        Self::on(&pattern, triangles)
+    }
 
+    /// The same where the pattern of these triangles is known.
+    pub fn on(pattern: &Pattern, triangles: Vec<[u32; 3]>) -> Result<Self, FlattenError> {
+        let (edges, unknowns) = (&pattern.edges, pattern.unknowns);
         // The block column of v: its diagonal block, then the blocks of its larger neighbours.
         let mut columns = Vec::with_capacity(2 * unknowns + 1);
         let mut rows = Vec::with_capacity(3 * unknowns + 4 * edges.len());
         let mut places = vec![[0; 2]; edges.len()];
-        let mut first = 0;
+        let starts = pattern.starts();
         for v in 0..unknowns as u32 {
-            let count = edges[first..].iter().take_while(|e| e.0 == v).count();
+            let own = starts[v as usize] as usize..starts[v as usize + 1] as usize;
             for half in 0..2 {
                 columns.push(rows.len() as u32);
                 rows.extend((2 * v + half)..(2 * v + 2));
-                for e in first..first + count {
+                for e in own.clone() {
                     places[e][half as usize] = rows.len();
                     rows.extend([2 * edges[e].1, 2 * edges[e].1 + 1]);
                 }
             }
-            first += count;
         }
         columns.push(rows.len() as u32);
-        let slot = |t: &[u32; 3], k: usize| {
-            edge(t, k).map_or([0; 2], |e| places[edges.partition_point(|&x| x < e)])
-        };
-        let slots = triangles.iter().map(|t| [0, 1, 2].map(|k| slot(t, k))).collect();
+        let slot = |e: u32| if e == PINNED { [0; 2] } else { places[e as usize] };
+        let slots = pattern.edge_of.iter().map(|edges| edges.map(slot)).collect();
 
         let n = 2 * unknowns;
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
-        let (order, inverse) = order(unknowns, &edges)?;
+        let lower = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
+        let (order, inverse) = pattern.permutation(2);
         let symbolic = factorize_symbolic_cholesky(
-            pattern,
+            lower,
             Side::Lower,
             SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)),
             CholeskySymbolicParams {
@@ -193,27 +186,6 @@ impl BlockSystem {
         }
         y
     }
-}
-
-/// An order of elimination that fills in little (approximate minimum degree), and its inverse: found
-/// for the vertices, so that the two unknowns of one stay together. `edges`: pairs, lower first,
-/// sorted.
-fn order(vertices: usize, edges: &[(u32, u32)]) -> Result<(Vec<u32>, Vec<u32>), FlattenError> {
-    let mut columns = vec![0; vertices + 1];
-    edges.iter().for_each(|e| columns[e.0 as usize + 1] += 1);
-    for v in 0..vertices {
-        columns[v + 1] += columns[v];
-    }
-    let rows: Vec<u32> = edges.iter().map(|e| e.1).collect();
-    let graph = SymbolicSparseColMatRef::new_checked(vertices, vertices, &columns, None, &rows);
-    let (mut order, mut inverse) = (vec![0; vertices], vec![0; vertices]);
-    let request = amd::order_maybe_unsorted_scratch::<u32>(vertices, edges.len());
-    let mut memory = MemBuffer::new(request);
-    let stack = MemStack::new(&mut memory);
-    amd::order_maybe_unsorted(&mut order, &mut inverse, graph, Default::default(), stack)
-        .map_err(|_| FlattenError::Singular)?;
-    let both = |order: Vec<u32>| order.into_iter().flat_map(|v| [2 * v, 2 * v + 1]).collect();
-    Ok((both(order), both(inverse)))
 }
 
 #[cfg(test)]

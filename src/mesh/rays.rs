@@ -15,9 +15,12 @@ use triangle::crossing;
 pub use triangle::nearest_on_triangle;
 
 use super::{NONE, Surface};
+use crate::tasks;
 
 /// Faces in a leaf.
 const LEAF: usize = 4;
+/// Faces above which the two halves are built side by side.
+const SIDE_BY_SIDE: usize = 4096;
 /// How far above the surface a ray starts, over the diagonal.
 const LIFT: f64 = 1e-5;
 
@@ -50,38 +53,57 @@ pub struct Rays {
     lift: f64,
 }
 
+/// What the hierarchy is built from.
+struct Builder<'a> {
+    surface: &'a Surface,
+    centers: &'a [DVec3],
+}
+
+impl Builder<'_> {
+    /// The nodes over some faces, the root first; `start`: the place of the first of them among all.
+    fn nodes(&self, faces: &mut [u32], start: u32) -> Vec<Node> {
+        let (low, high) = bounds(faces.iter().flat_map(|&f| self.surface.corners(f as usize)));
+        if faces.len() <= LEAF {
+            return vec![Node { low, high, first: start, count: faces.len() as u32 }];
+        }
+        let (from, to) = bounds(faces.iter().map(|&f| self.centers[f as usize]));
+        let axis = longest(to - from);
+        let middle = faces.len() / 2;
+        faces.select_nth_unstable_by(middle, |&a, &b| {
+            let (x, y) = (self.centers[a as usize][axis], self.centers[b as usize][axis]);
+            x.total_cmp(&y).then(a.cmp(&b))
+        });
+        let large = faces.len() > SIDE_BY_SIDE;
+        let (lower, upper) = faces.split_at_mut(middle);
+        let (first, second) = (start, start + middle as u32);
+        let (left, right) = if large {
+            tasks::join("rays", || self.nodes(lower, first), || self.nodes(upper, second))
+        } else {
+            (self.nodes(lower, first), self.nodes(upper, second))
+        };
+        // The two children stand side by side, behind them what is below the first, then the second.
+        let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
+        nodes.push(Node { low, high, first: 1, count: 0 });
+        let moved = |node: &Node, by: usize| match node.count {
+            0 => Node { first: node.first + by as u32, ..*node },
+            _ => *node,
+        };
+        let by = [2, left.len() + 1];
+        nodes.extend([moved(&left[0], by[0]), moved(&right[0], by[1])]);
+        nodes.extend(left[1..].iter().map(|node| moved(node, by[0])));
+        nodes.extend(right[1..].iter().map(|node| moved(node, by[1])));
+        nodes
+    }
+}
+
 impl Rays {
     /// Builds the hierarchy. O(n log n).
     pub fn new(surface: &Surface) -> Self {
         let mut faces: Vec<u32> = (0..surface.face_count() as u32).collect();
-        let centers: Vec<DVec3> = (0..surface.face_count()).map(|f| surface.centroid(f)).collect();
-        let mut nodes = Vec::with_capacity(faces.len() + 1);
-        if !faces.is_empty() {
-            nodes.push(Node { low: DVec3::ZERO, high: DVec3::ZERO, first: 0, count: 0 });
-            let mut open = vec![(0usize, 0usize, faces.len())];
-            while let Some((node, start, end)) = open.pop() {
-                let (low, high) =
-                    bounds(faces[start..end].iter().flat_map(|&f| surface.corners(f as usize)));
-                if end - start <= LEAF {
-                    nodes[node] =
-                        Node { low, high, first: start as u32, count: (end - start) as u32 };
-                    continue;
-                }
-                let (from, to) = bounds(faces[start..end].iter().map(|&f| centers[f as usize]));
-                let axis = longest(to - from);
-                let middle = (end - start) / 2;
-                faces[start..end].select_nth_unstable_by(middle, |&a, &b| {
-                    let (x, y) = (centers[a as usize][axis], centers[b as usize][axis]);
-                    x.total_cmp(&y).then(a.cmp(&b))
-                });
-                let first = nodes.len();
-                nodes[node] = Node { low, high, first: first as u32, count: 0 };
-                nodes.extend([nodes[node]; 2]);
-                open.push((first, start, start + middle));
-                open.push((first + 1, start + middle, end));
-            }
-        }
-        let corners = faces.iter().map(|&f| surface.corners(f as usize)).collect();
+        let centers = tasks::fill("centers", faces.len(), |f| surface.centroid(f));
+        let builder = Builder { surface, centers: &centers };
+        let nodes = if faces.is_empty() { Vec::new() } else { builder.nodes(&mut faces, 0) };
+        let corners = tasks::fill("corners", faces.len(), |i| surface.corners(faces[i] as usize));
         let sheet_mate = surface.sheet_mate.clone();
         Self { nodes, faces, corners, sheet_mate, lift: LIFT * surface.diagonal }
     }

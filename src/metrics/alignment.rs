@@ -9,6 +9,7 @@ use super::EdgeTable;
 use super::levels::Level;
 use crate::contract::{BoundaryAlignment, Cancel, Canceled};
 use crate::mesh::Surface;
+use crate::tasks;
 
 /// A seam within this share of the diagonal of a part boundary follows it.
 const NEAR: f64 = 0.01;
@@ -81,15 +82,18 @@ impl SampledSeams {
             return Ok(seams);
         };
         if seams.boundaries {
-            seams.near = seams
-                .samples
-                .par_iter()
-                .map(|s| {
-                    let point = s.point.to_array();
-                    let found = tree.query(&point).nearest_one::<SquaredEuclidean<f64>>().execute();
-                    found.distance <= near * near
-                })
-                .collect();
+            seams.near = tasks::even("near borders", seams.samples.len(), || {
+                seams
+                    .samples
+                    .par_iter()
+                    .map(|s| {
+                        let point = s.point.to_array();
+                        let found =
+                            tree.query(&point).nearest_one::<SquaredEuclidean<f64>>().execute();
+                        found.distance <= near * near
+                    })
+                    .collect()
+            });
         }
         for (s, near) in seams.samples.iter().zip(&seams.near) {
             seams.near_share[s.edge as usize] += if *near { s.share } else { 0.0 };

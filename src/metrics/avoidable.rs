@@ -9,6 +9,7 @@ use super::levels::Level;
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// A point that sees less of the sky is hidden.
 const HIDDEN: f64 = 0.3;
@@ -75,17 +76,19 @@ impl Avoidable {
         let dearer = (rays.expected_visits() / USUAL_VISITS).max(1.0);
         let points = (MOST_POINTS as f64 / dearer).ceil() as usize;
         let stride = candidates.len().div_ceil(points.max(1)).max(1);
-        let seen: Vec<bool> = candidates
-            .par_chunks(stride)
-            .enumerate()
-            .map(|(i, chunk)| {
-                let c = &chunk[chunk.len() / 2];
-                let sees = |normal| {
-                    rays.ambient_visibility(c.point, normal, RAYS, i as u64, NONE) >= HIDDEN
-                };
-                !cancel.is_canceled() && (sees(c.normal) || (c.both_sides && sees(-c.normal)))
-            })
-            .collect();
+        let seen: Vec<bool> = tasks::even("seen seams", candidates.len() / stride, || {
+            candidates
+                .par_chunks(stride)
+                .enumerate()
+                .map(|(i, chunk)| {
+                    let c = &chunk[chunk.len() / 2];
+                    let sees = |normal| {
+                        rays.ambient_visibility(c.point, normal, RAYS, i as u64, NONE) >= HIDDEN
+                    };
+                    !cancel.is_canceled() && (sees(c.normal) || (c.both_sides && sees(-c.normal)))
+                })
+                .collect()
+        });
         cancel.check()?;
         let mut shares = vec![0.0; table.len()];
         for (_, c) in candidates.iter().enumerate().filter(|(i, _)| seen[i / stride]) {

@@ -13,6 +13,7 @@ use super::{EdgeTable, Measured};
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::rays::Rays;
 use crate::mesh::{DisjointSets, NONE};
+use crate::tasks;
 
 /// Contact is within this share of the diagonal.
 const TOUCH: f64 = 0.005;
@@ -56,33 +57,35 @@ impl Contacts {
         let touch = TOUCH * surface.diagonal;
         let whole: f64 = (0..table.len()).filter(|&e| feature(e)).map(|e| table.length[e]).sum();
         let samples = sample_edges(surface, table, touch.max(whole / MOST_SAMPLES), feature);
-        let pieces: Vec<Vec<Piece>> = samples
-            .par_iter()
-            .map(|s| {
-                let own = table.half_edges(s.edge as usize).next().map_or(NONE, |(h, _)| h / 3);
-                if own == NONE || cancel.is_canceled() {
-                    return vec![];
-                }
-                let mut touched: BTreeMap<u32, u32> = BTreeMap::new();
-                rays.visit_within(s.point, touch, |face, _| {
-                    let other = component[face as usize];
-                    if other != NONE
-                        && other != component[own as usize]
-                        && input.label(face) != input.label(own)
-                    {
-                        touched.entry(other).and_modify(|f| *f = face.min(*f)).or_insert(face);
+        let pieces: Vec<Vec<Piece>> = tasks::even("contacts", samples.len(), || {
+            samples
+                .par_iter()
+                .map(|s| {
+                    let own = table.half_edges(s.edge as usize).next().map_or(NONE, |(h, _)| h / 3);
+                    if own == NONE || cancel.is_canceled() {
+                        return vec![];
                     }
-                });
-                touched
-                    .into_iter()
-                    .map(|(other, face)| Piece {
-                        components: (component[own as usize], other),
-                        faces: (own, face),
-                        length: s.share * table.length[s.edge as usize],
-                    })
-                    .collect()
-            })
-            .collect();
+                    let mut touched: BTreeMap<u32, u32> = BTreeMap::new();
+                    rays.visit_within(s.point, touch, |face, _| {
+                        let other = component[face as usize];
+                        if other != NONE
+                            && other != component[own as usize]
+                            && input.label(face) != input.label(own)
+                        {
+                            touched.entry(other).and_modify(|f| *f = face.min(*f)).or_insert(face);
+                        }
+                    });
+                    touched
+                        .into_iter()
+                        .map(|(other, face)| Piece {
+                            components: (component[own as usize], other),
+                            faces: (own, face),
+                            length: s.share * table.length[s.edge as usize],
+                        })
+                        .collect()
+                })
+                .collect()
+        });
         cancel.check()?;
         Ok(Self(pieces.into_iter().flatten().collect()))
     }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::Measured;
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// Coordinates that differ by less at one position are the same.
 const SAME_UV: f32 = 1e-6;
@@ -55,7 +56,7 @@ impl EdgeTable {
             })
             .collect();
         cancel.check()?;
-        records.par_sort_unstable();
+        tasks::even("edges", records.len(), || records.par_sort_unstable());
         cancel.check()?;
         let mut table = Self { starts: vec![0], ..Self::default() };
         for group in records.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
@@ -166,7 +167,7 @@ pub fn places(surface: &Surface) -> Vec<u32> {
     // Adding zero makes −0 and 0 one place.
     let key = |&v: &u32| (surface.positions[v as usize] + 0.0).to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..surface.positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|v| (key(v), *v));
+    tasks::even("places", order.len(), || order.par_sort_unstable_by_key(|v| (key(v), *v)));
     let mut place = vec![0; order.len()];
     for group in order.chunk_by(|a, b| key(a) == key(b)) {
         for &v in group {

@@ -18,6 +18,7 @@ use crate::contract::{
 };
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// What is measured: the result as it ships.
 #[derive(Debug, Clone, Copy)]
@@ -87,26 +88,34 @@ pub fn measure(input: &Measured, run: &Run) -> Result<MeasuredFigures, Canceled>
     let cancel = &run.cancel;
     cancel.check()?;
     let surface = input.surface;
-    let maps: Vec<Option<FaceMap>> =
-        (0..surface.face_count()).into_par_iter().map(|f| input.face_map(f)).collect();
-    let edges = EdgeTable::new(input, |f| maps[f as usize].is_some(), cancel)?;
+    let maps: Vec<Option<FaceMap>> = tasks::even("face maps", surface.face_count(), || {
+        (0..surface.face_count()).into_par_iter().map(|f| input.face_map(f)).collect()
+    });
+    let edges = tasks::link("edge table", || {
+        EdgeTable::new(input, |f| maps[f as usize].is_some(), cancel)
+    })?;
     let faces: Vec<u32> = (0..maps.len() as u32).filter(|&f| maps[f as usize].is_some()).collect();
-    let levels = Levels::new(input, faces, &edges);
-    let sampled = SampledSeams::new(surface, &edges, cancel)?;
-    let rays = Rays::new(surface);
-    cancel.check()?;
-    let avoidable = Avoidable::new(surface, &edges, &sampled, &rays, cancel)?;
-    let contacts = Contacts::new(input, &edges, &rays, cancel)?;
+    // What needs rays, and beside it what does not.
+    let seen = || {
+        let sampled = || tasks::link("seams", || SampledSeams::new(surface, &edges, cancel));
+        let (sampled, rays) =
+            tasks::join("seams", sampled, || tasks::link("rays", || Rays::new(surface)));
+        let sampled = sampled?;
+        let avoidable = || Avoidable::new(surface, &edges, &sampled, &rays, cancel);
+        let contacts = || tasks::link("contacts", || Contacts::new(input, &edges, &rays, cancel));
+        let (avoidable, contacts) = tasks::join("seen", avoidable, contacts);
+        Ok::<_, Canceled>((avoidable?, contacts?, sampled))
+    };
+    let levels = || tasks::link("levels", || Levels::new(input, faces, &edges));
+    let (seen, levels) = tasks::join("measured", seen, levels);
+    let (avoidable, contacts, sampled) = seen?;
     let scale = Totals::of(maps.iter().flatten()).scale_squared();
-    let consistency = levels
-        .charts
-        .par_iter()
-        .map(|chart| match scale {
-            Some(s2) => internal_consistency(input, &chart.faces, s2.sqrt(), cancel),
-            None => Ok(None),
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let perimeters = paper::perimeters(input, &edges);
+    let consistency = tasks::map("consistency", &levels.charts, |chart| match scale {
+        Some(s2) => internal_consistency(input, &chart.faces, s2.sqrt(), cancel),
+        None => Ok(None),
+    });
+    let consistency = consistency.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let perimeters = tasks::link("perimeters", || paper::perimeters(input, &edges));
     let taken = Taken {
         input,
         maps: &maps,
@@ -120,19 +129,17 @@ pub fn measure(input: &Measured, run: &Run) -> Result<MeasuredFigures, Canceled>
         perimeters: &perimeters,
     };
     let all = |levels: &[Level]| -> Result<Vec<Figures>, Canceled> {
-        levels
-            .par_iter()
-            .map(|level| {
-                cancel.check()?;
-                Ok(taken.figures(level))
-            })
-            .collect()
+        let figures = |level| {
+            cancel.check()?;
+            Ok(taken.figures(level))
+        };
+        tasks::map("figures", levels, figures).into_iter().collect()
     };
-    Ok(MeasuredFigures {
-        atlas: taken.figures(&levels.atlas),
-        parts: all(&levels.parts)?,
-        charts: all(&levels.charts)?,
-    })
+    let atlas = || tasks::link("atlas figures", || taken.figures(&levels.atlas));
+    let rest = || Ok::<_, Canceled>((all(&levels.parts)?, all(&levels.charts)?));
+    let (atlas, rest) = tasks::join("levels", atlas, rest);
+    let (parts, charts) = rest?;
+    Ok(MeasuredFigures { atlas, parts, charts })
 }
 
 /// What is known once for the whole atlas.

@@ -15,6 +15,7 @@ use crate::charts::{self, ChartOptions};
 use crate::contract::{Certificate, DoubleSided, OptionError, Run, Stage, UnwrapOptions};
 use crate::flatten::UvMap;
 use crate::mesh::Surface;
+use crate::tasks;
 
 /// Times that failed charts are divided before the classical unwrapper gets them.
 const DIVIDED: u32 = 3;
@@ -157,7 +158,7 @@ fn place(
         return Err(OptionError { pointer: "/udim".into(), detail }.into());
     }
     let disks: Vec<_> = charts.iter().zip(&placed).map(|(m, uv)| (&m.chart.disk, uv)).collect();
-    let rounded = atlas::quantise(&disks, found.surface.diagonal, grid);
+    let rounded = tasks::link("quantise", || atlas::quantise(&disks, found.surface.diagonal, grid));
     let on_pages: Vec<Placed> = charts
         .iter()
         .zip(&rounded.uvs)
@@ -171,7 +172,7 @@ fn place(
         diagonal: found.surface.diagonal,
         shared_sheets: options.double_sided == DoubleSided::Share,
     };
-    let certificates = atlas::certify_atlas(&on_pages, &demands);
+    let certificates = tasks::link("certify", || atlas::certify_atlas(&on_pages, &demands));
     let atlas = CertifiedAtlas { charts, uvs: rounded.uvs, pages, page_of, grid, certificates };
     Ok(Packed { atlas, scales, lost: rounded.lost })
 }

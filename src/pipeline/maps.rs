@@ -3,8 +3,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
-
 use super::engine::Engine;
 use super::error::Cause;
 use super::membership::Membership;
@@ -16,6 +14,7 @@ use crate::contract::{
 };
 use crate::flatten::{self, Disk, SlimOptions, UvMap};
 use crate::parameterization::{self, TrainOptions, TrainedChart};
+use crate::tasks;
 
 /// Descent steps of the polish. A chart of many triangles gets fewer, by counted work.
 const STEPS: u32 = 20;
@@ -108,16 +107,12 @@ pub fn trained(
     let clearance = charts::clearance(&found.surface);
     let faces = work.iter().map(|(chart, _)| chart.faces.len()).sum();
     let steps = run.steps(faces, 0.0, 1.0);
-    let mapped: Result<Vec<Mapped>, Canceled> = work
-        .into_par_iter()
-        .map(|(chart, net)| {
-            let mapped = polish(chart, net, clearance, run)?;
-            steps.add(mapped.chart.faces.len());
-            Ok(mapped)
-        })
-        .collect();
-    let mapped = mapped?;
-    Ok(mapped)
+    let polish = |(chart, net)| {
+        let mapped = polish(chart, net, clearance, run)?;
+        steps.add(mapped.chart.faces.len());
+        Ok(mapped)
+    };
+    tasks::map_by_size("map", work, |w| w.0.faces.len(), polish).into_iter().collect()
 }
 
 /// Tell that each part has its charts, and how distorted they are.

@@ -19,6 +19,7 @@ use crate::mesh::{
 };
 use crate::sampling::{self, PointCloud, SampleCounts};
 use crate::segmentation::{self, PartLabels, SegmentOptions};
+use crate::tasks;
 
 /// What the result indexes: the surface face for face, and its parts.
 pub struct Found {
@@ -79,7 +80,8 @@ impl Solvers {
 
 /// Parts of a proxy carried to the surface. Each keeps at least the faces that its proxy's are left of.
 fn carried(surface: &Surface, proxy: &Proxy, of_proxy: &[u32]) -> Vec<u32> {
-    let mut labels = coarse_to_fine::labels(surface, proxy, of_proxy);
+    let mut labels =
+        tasks::link("parts carried", || coarse_to_fine::labels(surface, proxy, of_proxy));
     let count = of_proxy.iter().filter(|l| **l != NONE).max().map_or(0, |&most| most as usize + 1);
     let mut has = vec![false; count];
     labels.iter().filter(|l| **l != NONE).for_each(|&l| has[l as usize] = true);

@@ -6,6 +6,7 @@ use super::parts::Found;
 use crate::contract::{GaveUp, Run, Scarce, Stage, UnwrapOptions};
 use crate::metrics::Measured;
 use crate::preview;
+use crate::tasks;
 
 /// Whether pictures are asked for and there is time and memory for them; if there is not, that is recorded.
 pub fn draws(
@@ -34,11 +35,11 @@ pub fn of_atlas(
     instances: Option<&Instances>,
     run: &Run,
 ) -> Result<(Vec<u8>, Vec<u8>), Cause> {
-    run.stage(Stage::Preview)?;
     let names: Vec<String> = found.parts.parts.iter().map(|p| p.name.clone()).collect();
     let shown = instances.map(|instances| instances.shown(measured));
     let shown = shown.as_ref().map(|shown| shown.measured(measured));
-    let (layout, picture) = rayon::join(
+    let (layout, picture) = tasks::join(
+        "pictures",
         || preview::uv_layout_svg(measured, &names, &run.cancel),
         || preview::preview_png(measured, shown.as_ref(), run),
     );

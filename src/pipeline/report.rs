@@ -24,6 +24,7 @@ use crate::mesh::{NONE, Scene, export};
 use crate::metrics::{self, Measured, MeasuredFigures};
 use crate::preview;
 use crate::segmentation::{Part, PartLabels};
+use crate::tasks;
 
 /// Version of the shape of `metrics.json`.
 const SCHEMA: u32 = 2;
@@ -39,7 +40,7 @@ pub fn whole(
     run: &Run,
 ) -> Result<Unwrapped, Cause> {
     run.stage(Stage::Measure)?;
-    let faces = faces::collect(found, finished);
+    let faces = tasks::link("collect", || faces::collect(found, finished));
     let chamfer: Vec<Option<f64>> = finished.charts.iter().map(|c| c.chamfer).collect();
     let measured = Measured {
         boundary_labels: found.surface.labels.as_deref(),
@@ -49,28 +50,42 @@ pub fn whole(
         page_of: &finished.page_of,
         ..measured(found, &faces, finished.charts.len())
     };
-    let figures = metrics::measure(&measured, run)?;
+    let authored = |p: u32| found.parts.parts[p as usize].source == SegmentationSource::Authored;
+    let shapes = || {
+        let jaggedness = || tasks::link("jaggedness", || metrics::seam_jaggedness(&measured));
+        let small = || metrics::small_charts(&measured, authored, options.atlas);
+        tasks::join("shapes", jaggedness, || tasks::link("small charts", small))
+    };
+    let (figures, (jaggedness, small)) =
+        tasks::join("measures", || metrics::measure(&measured, run), shapes);
+    let figures = figures?;
     run.count(found.surface.face_count());
     let owned = finished.certificates.delivered
         * f64::from(options.page_size).powi(2)
         * f64::from(finished.pages);
     let packing_efficiency = metrics::packing_efficiency(&measured, owned.round() as u64);
-    let jaggedness = metrics::seam_jaggedness(&measured);
-    let authored = |p: u32| found.parts.parts[p as usize].source == SegmentationSource::Authored;
-    let small = metrics::small_charts(&measured, authored, options.atlas);
     let instances = Instances::of(scene, found);
     let instance_metrics = match &instances {
         Some(instances) => Some(instances.metrics(&measured, run)?),
         None => None,
     };
-    let pictures = if pictures::draws(found, instances.as_ref(), finished.pages, options, run) {
-        Some(pictures::of_atlas(&measured, found, instances.as_ref(), run)?)
-    } else {
-        None
+    let write = || -> Result<Vec<u8>, Cause> {
+        let extras = tasks::link("extras", || json::value(&extras::block(found, &faces.chart_of)))?;
+        let file = || export::glb(scene, &faces.file, options.uv_channel, Some(&extras));
+        Ok(tasks::link("glb", file)?)
     };
-    run.stage(Stage::Export)?;
-    let extras = extras::block(found, &faces.chart_of);
-    let glb = export::glb(scene, &faces.file, options.uv_channel, Some(&json::value(&extras)?))?;
+    let shown = instances.as_ref();
+    let (pictures, glb) = if pictures::draws(found, shown, finished.pages, options, run) {
+        // The file is written while they are drawn.
+        run.stage(Stage::Preview)?;
+        let draw = || pictures::of_atlas(&measured, found, shown, run);
+        let (pictures, glb) = tasks::join("results", draw, write);
+        run.stage(Stage::Export)?;
+        (Some(pictures?), glb?)
+    } else {
+        run.stage(Stage::Export)?;
+        (None, write()?)
+    };
     run.count(glb.len());
     let steps = finished.charts.iter().map(|c| c.steps).max().unwrap_or(0);
     let enlarged_faces = finished.charts.iter().filter(|c| c.enlarged).count() as u64;
@@ -96,7 +111,7 @@ pub fn whole(
     };
     summary::warn_of_many_charts(finished, found, run);
     let membership = Membership::new(found, &finished.charts);
-    let cost = run.cost(steps, &engine.device.name());
+    let cost = run.cost(steps, &engine.device.name(), tasks::threads());
     let metrics = Metrics {
         schema: SCHEMA,
         summary: Summary {
@@ -162,7 +177,7 @@ pub fn segmentation_only(
         charts: Vec::new(),
         figures: Figures::default(),
     };
-    let cost = run.cost(0, &engine.device.name());
+    let cost = run.cost(0, &engine.device.name(), tasks::threads());
     let metrics = Metrics {
         schema: SCHEMA,
         summary: Summary {

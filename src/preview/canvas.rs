@@ -3,6 +3,8 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use crate::tasks;
+
 /// An image, row by row from the top.
 #[derive(Debug, Clone)]
 pub(super) struct Canvas {
@@ -28,8 +30,12 @@ impl Canvas {
 
     /// Lays `color` over the canvas where `mask` says so.
     pub(super) fn lay(&mut self, mask: &[f32], color: Vec3) {
-        self.pixels.par_iter_mut().zip(mask).filter(|(_, m)| **m != 0.0).for_each(|(pixel, m)| {
-            *pixel = pixel.lerp(color, *m);
+        tasks::even("pixels", mask.len(), || {
+            self.pixels.par_iter_mut().zip(mask).filter(|(_, m)| **m != 0.0).for_each(
+                |(pixel, m)| {
+                    *pixel = pixel.lerp(color, *m);
+                },
+            )
         });
     }
 

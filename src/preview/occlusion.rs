@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::camera::Camera;
 use super::raster::Visible;
+use crate::tasks;
 
 /// Points a pixel; radius over the diagonal; strength; how far above the plane still is on it.
 const POINTS: usize = 10;
@@ -36,7 +37,9 @@ impl Blocks {
         let ray = |i: usize| camera.unsee(Vec2::splat(middle(i)), 1.0);
         Self {
             width,
-            depths: (0..width * width).into_par_iter().map(depth).collect(),
+            depths: tasks::even("occlusion", width * width, || {
+                (0..width * width).into_par_iter().map(depth).collect()
+            }),
             across: (0..width).map(|x| ray(x).x).collect(),
             up: (0..width).map(|y| ray(y).y).collect(),
         }
@@ -66,39 +69,43 @@ pub(super) fn ambient_light(
     let width = blocks.width;
     let spirals: Vec<[Vec2; POINTS]> = (0..16).map(|k| spiral(k / 4, k % 4)).collect();
     let radius = RADIUS * diagonal;
-    let raw: Vec<f32> = (0..width * width)
-        .into_par_iter()
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            let Some(point) = blocks.point(x, y) else { return 1.0 };
-            let pixel = first_pixel(i, width, block, seen.size);
-            let normal = facing(normals[seen.face[pixel] as usize], point);
-            let reach = radius * camera.pixels(seen.nearness[pixel]) / block as f32;
-            let spiral = spirals[x % 4 * 4 + y % 4].map(|way| way * reach);
-            obscurance(&blocks, [x, y], (point, normal), diagonal, &spiral)
-        })
-        .collect();
-    (0..width * width)
-        .into_par_iter()
-        .map(|i| {
-            let (x, y, depth) = (i % width, i / width, blocks.depths[i]);
-            if depth == 0.0 {
-                return 1.0;
-            }
-            // The pattern repeats every 4 blocks: a 4 × 4 mean over like depths removes it.
-            let (mut sum, mut count) = (0.0, 0.0f32);
-            for j in y.saturating_sub(2)..(y + 2).min(width) {
-                for k in x.saturating_sub(2)..(x + 2).min(width) {
-                    let other = blocks.depths[j * width + k];
-                    if (other - depth).abs() < 0.02 * diagonal {
-                        sum += raw[j * width + k];
-                        count += 1.0;
+    let raw: Vec<f32> = tasks::even("occlusion", width * width, || {
+        (0..width * width)
+            .into_par_iter()
+            .map(|i| {
+                let (x, y) = (i % width, i / width);
+                let Some(point) = blocks.point(x, y) else { return 1.0 };
+                let pixel = first_pixel(i, width, block, seen.size);
+                let normal = facing(normals[seen.face[pixel] as usize], point);
+                let reach = radius * camera.pixels(seen.nearness[pixel]) / block as f32;
+                let spiral = spirals[x % 4 * 4 + y % 4].map(|way| way * reach);
+                obscurance(&blocks, [x, y], (point, normal), diagonal, &spiral)
+            })
+            .collect()
+    });
+    tasks::even("occlusion", width * width, || {
+        (0..width * width)
+            .into_par_iter()
+            .map(|i| {
+                let (x, y, depth) = (i % width, i / width, blocks.depths[i]);
+                if depth == 0.0 {
+                    return 1.0;
+                }
+                // The pattern repeats every 4 blocks: a 4 × 4 mean over like depths removes it.
+                let (mut sum, mut count) = (0.0, 0.0f32);
+                for j in y.saturating_sub(2)..(y + 2).min(width) {
+                    for k in x.saturating_sub(2)..(x + 2).min(width) {
+                        let other = blocks.depths[j * width + k];
+                        if (other - depth).abs() < 0.02 * diagonal {
+                            sum += raw[j * width + k];
+                            count += 1.0;
+                        }
                     }
                 }
-            }
-            if count > 0.0 { sum / count } else { raw[i] }
-        })
-        .collect()
+                if count > 0.0 { sum / count } else { raw[i] }
+            })
+            .collect()
+    })
 }
 
 /// How far out the point `k` of a spiral lies, 0 to 1.

@@ -14,6 +14,7 @@ use super::shade::{FACTOR, Line, View};
 use crate::contract::{Cancel, Canceled, Run};
 use crate::mesh::NONE;
 use crate::metrics::{EdgeTable, Measured};
+use crate::tasks;
 
 /// Width and height of the large panel; the small ones are half of it.
 pub(super) const LARGE: usize = 768;
@@ -72,12 +73,18 @@ pub fn preview_png(
     run.count((LARGE + SMALL) * (LARGE + below) * FACTOR * FACTOR);
     let panels = run.steps(4, 0.1, 1.0);
     let mut page = Canvas::gradient(LARGE + SMALL, LARGE + below, Vec3::ONE, Vec3::ONE);
-    let (checker, (parts, layout)) = rayon::join(
+    let (checker, (parts, layout)) = tasks::join(
+        "panels",
         || checker_panel(scene, input, scene_edges, cancel).inspect(|_| panels.add(2)),
         || {
-            let layout = layout_panel(input, &edges);
-            panels.step();
-            (parts_panel(scene, scene_edges, SMALL, cancel).inspect(|_| panels.step()), layout)
+            let layout = || {
+                let layout = layout_panel(input, &edges);
+                panels.step();
+                layout
+            };
+            let parts =
+                || parts_panel(scene, scene_edges, SMALL, cancel).inspect(|_| panels.step());
+            tasks::join("panels", parts, layout)
         },
     );
     page.paste_smaller(&checker?, 1, 0, 0);
@@ -185,7 +192,9 @@ pub(super) fn encode_png(
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(compression);
     let mut writer = encoder.write_header()?;
-    let colors: Vec<[u8; 3]> = page.pixels.par_iter().map(|p| encode(*p)).collect();
+    let colors: Vec<[u8; 3]> = tasks::even("pixels", page.pixels.len(), || {
+        page.pixels.par_iter().map(|p| encode(*p)).collect()
+    });
     writer.write_image_data(colors.as_flattened())?;
     writer.finish()?;
     Ok(bytes)

@@ -7,6 +7,7 @@ use super::camera::{Camera, Seen};
 use super::canvas::spans;
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// Rows a band.
 const BAND: usize = 32;
@@ -59,16 +60,18 @@ impl Visible {
         cancel.check()?;
         let mut face = vec![NONE; size * size];
         let mut nearness = vec![0.0f32; size * size];
-        face.par_chunks_mut(BAND * size)
-            .zip(nearness.par_chunks_mut(BAND * size))
-            .enumerate()
-            .for_each(|(i, (face, nearness))| {
-                let top = i * BAND;
-                let bottom = (top + BAND).min(size);
-                for &f in &bands[i] {
-                    draw(f, corners(f), size, top..bottom, face, nearness);
-                }
-            });
+        tasks::even("raster", bands.len(), || {
+            face.par_chunks_mut(BAND * size)
+                .zip(nearness.par_chunks_mut(BAND * size))
+                .enumerate()
+                .for_each(|(i, (face, nearness))| {
+                    let top = i * BAND;
+                    let bottom = (top + BAND).min(size);
+                    for &f in &bands[i] {
+                        draw(f, corners(f), size, top..bottom, face, nearness);
+                    }
+                })
+        });
         cancel.check()?;
         Ok(Self { size, face, nearness, vertices })
     }

@@ -13,6 +13,7 @@ use super::raster::{Visible, center};
 use crate::contract::{Cancel, Canceled};
 use crate::mesh::{NONE, Surface};
 use crate::metrics::EdgeTable;
+use crate::tasks;
 
 /// Faces that meet at less than about 40° at a vertex are shaded as one smooth surface.
 const SMOOTH: f64 = 0.77;
@@ -77,13 +78,15 @@ impl<'a> View<'a> {
         canvas: &mut Canvas,
         color: impl Fn(u32, [f32; 3], f32) -> Vec3 + Sync,
     ) {
-        canvas.pixels.par_iter_mut().enumerate().for_each(|(pixel, light)| {
-            let face = self.seen.face[pixel];
-            if face != NONE {
-                let shares = self.seen.shares(self.surface, pixel);
-                let color = color(face, shares, self.camera.pixels(self.seen.nearness[pixel]));
-                *light = color * self.shading(pixel, shares);
-            }
+        tasks::even("light", self.seen.face.len(), || {
+            canvas.pixels.par_iter_mut().enumerate().for_each(|(pixel, light)| {
+                let face = self.seen.face[pixel];
+                if face != NONE {
+                    let shares = self.seen.shares(self.surface, pixel);
+                    let color = color(face, shares, self.camera.pixels(self.seen.nearness[pixel]));
+                    *light = color * self.shading(pixel, shares);
+                }
+            })
         });
     }
 
@@ -149,7 +152,9 @@ impl<'a> View<'a> {
             }
             sum / (FACTOR * FACTOR) as f32
         };
-        let pixels = (0..width * width).into_par_iter().map(light).collect();
+        let pixels = tasks::even("light", width * width, || {
+            (0..width * width).into_par_iter().map(light).collect()
+        });
         Canvas { width, height: width, pixels }
     }
 
@@ -211,25 +216,27 @@ fn smooth_normals(surface: &Surface) -> Vec<[DVec3; 3]> {
             next[*v as usize] += 1;
         }
     }
-    surface
-        .triangles
-        .par_iter()
-        .enumerate()
-        .map(|(f, t)| {
-            let own = surface.normals[f];
-            t.map(|v| {
-                let fan = &around[starts[v as usize]..starts[v as usize + 1]];
-                if fan.len() > MOST_FACES {
-                    return own;
-                }
-                fan.iter()
-                    .map(|g| *g as usize)
-                    .filter(|&g| surface.normals[g].dot(own) > SMOOTH)
-                    .map(|g| surface.normals[g] * surface.areas[g])
-                    .sum::<DVec3>()
-                    .try_normalize()
-                    .unwrap_or(own)
+    tasks::even("corner normals", surface.face_count(), || {
+        surface
+            .triangles
+            .par_iter()
+            .enumerate()
+            .map(|(f, t)| {
+                let own = surface.normals[f];
+                t.map(|v| {
+                    let fan = &around[starts[v as usize]..starts[v as usize + 1]];
+                    if fan.len() > MOST_FACES {
+                        return own;
+                    }
+                    fan.iter()
+                        .map(|g| *g as usize)
+                        .filter(|&g| surface.normals[g].dot(own) > SMOOTH)
+                        .map(|g| surface.normals[g] * surface.areas[g])
+                        .sum::<DVec3>()
+                        .try_normalize()
+                        .unwrap_or(own)
+                })
             })
-        })
-        .collect()
+            .collect()
+    })
 }

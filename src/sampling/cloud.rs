@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{EdgeField, base, blue_noise};
 use crate::contract::{Canceled, Run};
 use crate::mesh::Surface;
+use crate::tasks;
 
 /// Most points of a dense cloud. A surface with more usable faces has faces without a point.
 pub const DENSE_CAP: usize = 200_000;
@@ -87,7 +88,7 @@ pub fn sample(
     seed: u64,
     run: &Run,
 ) -> Result<PointCloud, Canceled> {
-    let field = EdgeField::new(surface, run)?;
+    let field = tasks::link("edge field", || EdgeField::new(surface, run))?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let areas = &surface.areas;
     let shares = base::allocate(areas, counts.base);
@@ -109,17 +110,16 @@ pub fn sample(
     // sphere with one groove are both denser at their edges by the same factor.
     let held: u64 = edge_faces.iter().map(|&f| u64::from(shares[f as usize])).sum();
     let wanted = ((2.0 * held as f64).min(counts.base as f64) * counts.extra) as usize;
-    let (extra, _) = blue_noise::scatter(surface, &edge_faces, wanted, &mut rng, run)?;
+    let (extra, _) = tasks::link("blue noise", || {
+        blue_noise::scatter(surface, &edge_faces, wanted, &mut rng, run)
+    })?;
     cloud.positions.extend(extra.positions);
     cloud.normals.extend(extra.normals);
     cloud.faces.extend(extra.faces);
 
-    cloud.sensitivity = cloud
-        .positions
-        .iter()
-        .zip(&cloud.faces)
-        .map(|(&p, &f)| field.at(surface, f as usize, p) as f32)
-        .collect();
+    let (points, faces) = (&cloud.positions, &cloud.faces);
+    let sensitivity = |i: usize| field.at(surface, faces[i] as usize, points[i]) as f32;
+    cloud.sensitivity = tasks::fill("sensitivity", points.len(), sensitivity);
     Ok(cloud)
 }
 

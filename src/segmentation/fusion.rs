@@ -9,6 +9,7 @@ use super::regions::{Evidence, Heard, Opinion, Prepared, RegionGraph, agglomerat
 use super::{Candidate, PartScores, Seen};
 use crate::contract::{Canceled, Run, SegmentationSource};
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// Regions are joined up to this probability that a part ends between them, unless another cut is asked
 /// for. It lies between 0.5, which of 0.3, 0.4, 0.5 and 0.6 gave the best overlap on half of the labelled
@@ -31,9 +32,11 @@ pub fn fuse(
 ) -> Result<PartScores, Canceled> {
     let Seen { surface, cloud } = seen;
     let Prepared { patch, mut graph, contacts } =
-        super::regions::prepare(surface, cloud, evidence, None, run)?;
+        tasks::link("regions", || super::regions::prepare(surface, cloud, evidence, None, run))?;
     let boundary = |x: &_| opinion.boundary(x, heard);
-    let mut tree = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;
+    let mut tree = tasks::link("agglomerate", || {
+        agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)
+    })?;
     // Probabilities change as regions get fewer: until none is left that would be joined.
     loop {
         let more = agglomerate(&mut graph, &boundary, cut, run, |_, _, _, _| true)?;

@@ -36,6 +36,8 @@ use dual::DualGraph;
 use fusion::fuse;
 use regions::{Heard, gather};
 
+use crate::tasks;
+
 /// A source of parts.
 pub trait Segmenter {
     /// Score the parts of a surface; `cloud` is its dense cloud.
@@ -98,7 +100,7 @@ pub fn segment(
 ) -> Result<PartLabels, SegmentationError> {
     let &SegmentOptions { source, cut } = options;
     let fused = |heard: Heard| -> Result<PartScores, SegmentationError> {
-        let network = weights.network(device)?;
+        let network = tasks::link("weights", || weights.network(device))?;
         let seen = Seen { surface, cloud };
         let evidence = gather(seen, Some(&network), run)?;
         Ok(fuse(seen, &evidence, &network.classifier, heard, cut, run)?)
@@ -125,7 +127,7 @@ pub fn settle(
 ) -> Result<PartLabels, SegmentationError> {
     run.cancel.check()?;
     let dual = DualGraph::new(surface);
-    let faces = graph_cut::decide(surface, cloud, &dual, scores, run)?;
+    let faces = tasks::link("graph cut", || graph_cut::decide(surface, cloud, &dual, scores, run))?;
     Ok(labels::connected_parts(&dual, scores, &faces))
 }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::mesh::Surface;
 use crate::mesh::rays::Rays;
+use crate::tasks;
 
 /// Rays about the middle one.
 const AROUND: u32 = 4;
@@ -49,5 +50,5 @@ pub fn thickness(surface: &Surface, rays: &Rays, points: &[DVec3], faces: &[u32]
         };
         diameter(cone(normal).filter_map(length).collect()) as f32
     };
-    points.par_iter().zip(faces).map(at).collect()
+    tasks::even("thickness", points.len(), || points.par_iter().zip(faces).map(at).collect())
 }

@@ -12,6 +12,7 @@ use crate::contract::Limits;
 use crate::device::{self, Device, DeviceChoice};
 use crate::jobs::{Blobs, Changes, Presence, Work, Worker};
 use crate::pipeline::{Engine, Weights};
+use crate::tasks;
 
 /// How often a worker says that it is alive.
 const HEARTBEAT: Duration = Duration::from_secs(5);
@@ -58,7 +59,7 @@ pub async fn run(settings: WorkerSettings) -> Result<bool, WorkerError> {
         device: device.name(),
         engine: env!("CARGO_PKG_VERSION").into(),
         weights: Some(settings.weights.digest().to_owned()),
-        threads: u32::try_from(rayon::current_num_threads()).unwrap_or(u32::MAX),
+        threads: u32::try_from(tasks::threads()).unwrap_or(u32::MAX),
         draining: false,
         last_seen: Timestamp::now(),
     };

@@ -83,9 +83,7 @@ impl Supervisor {
     fn start(&self, id: &str) -> std::io::Result<Child> {
         let mut command = Command::new(&self.program);
         command.args(["worker", "--supervised", "--id", id]).args(&self.flags);
-        if std::env::var_os("RAYON_NUM_THREADS").is_none() {
-            command.env("RAYON_NUM_THREADS", self.threads.to_string());
-        }
+        command.args(["--threads", &self.threads.to_string()]);
         command.stdin(Stdio::piped()).kill_on_drop(true).spawn()
     }
 

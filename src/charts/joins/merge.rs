@@ -8,21 +8,18 @@
 //! bent most (largest angle defect): two faces of a box meet along one straight edge, the cap of a
 //! prism along one of its many.
 //!
-//! Paths that have no chart in common are solved at the same time and decided in turn. Where there are more
-//! threads than such paths, others are solved ahead of their turn: most unions do not hold, and the next ones are
-//! still the same then. What comes out does not depend on it.
+//! Paths that have no chart in common are solved at the same time and decided in turn. None is solved ahead of its
+//! turn: recorded, what was begun so and waited for made the longest chain of tasks longer, at any number of
+//! threads (docs/results.md).
 
 use std::collections::BTreeSet;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
-use super::proposal::{Proposal, Solved};
+use super::proposal::Proposal;
 use super::queue::{Queue, Waiting};
 use crate::charts::limits::ChartLimits;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
+use crate::tasks;
 
 /// Faces that all proposals together may flatten, per face of the charts …
 const WORK_PER_FACE: usize = 24;
@@ -42,9 +39,6 @@ const BATCH: usize = 4;
 /// Paths put off, for having a chart in common with a batch, before the batch is solved as it is.
 const AHEAD: usize = 16;
 
-/// Paths that are solved at the same time, decided together or not, a thread.
-const TASKS: usize = 2;
-
 /// Close paths about the charts in `among` (ascending), and about what becomes of them, until none is left
 /// that may be. With an `openness` (0 to 1, one a local half-edge) those that are closed already come first.
 pub fn merge(
@@ -59,15 +53,15 @@ pub fn merge(
     let mut allowance = Allowance::of(faces);
     loop {
         run.cancel.check()?;
-        let (mut batch, mut later) = next(&mut queue, work, limits, &mut allowance);
+        let (batch, later) = next(&mut queue, work, limits, &mut allowance);
         if batch.is_empty() || run.skips(Stage::Charts, GaveUp::Joining) {
             break;
         }
-        solve(&mut batch, &mut later, work, limits, run)?;
         later.into_iter().for_each(|waiting| queue.put_back(waiting));
-        for (Waiting { candidate, solved, .. }, proposal) in batch {
+        let solved = tasks::map("union", &batch, |(_, proposal)| proposal.solve(work, limits, run));
+        for ((Waiting { candidate, .. }, proposal), solved) in batch.into_iter().zip(solved) {
             let size = candidate.size(work);
-            if proposal.decide(solved, work, limits, run)? {
+            if proposal.decide(solved?, work, limits, run)? {
                 allowance.held(size);
                 queue.joined(work, &candidate);
             } else {
@@ -145,44 +139,4 @@ fn next(
         }
     }
     (batch, later)
-}
-
-/// Solve a batch; threads that it has nothing for begin with those `later`, until it is solved.
-fn solve(
-    batch: &mut [(Waiting, Proposal)],
-    later: &mut [Waiting],
-    work: &Patchwork,
-    limits: &ChartLimits,
-    run: &Run,
-) -> Result<(), Canceled> {
-    let mut tasks: Vec<(&mut Option<Solved>, Proposal)> = Vec::new();
-    for (waiting, proposal) in batch.iter_mut().filter(|(waiting, _)| waiting.solved.is_none()) {
-        tasks.push((&mut waiting.solved, proposal.clone()));
-    }
-    let (needed, threads) = (tasks.len(), rayon::current_num_threads());
-    let most = if needed > 0 && threads > 1 { TASKS * threads } else { needed };
-    for waiting in later.iter_mut().filter(|waiting| waiting.solved.is_none()) {
-        if tasks.len() < most {
-            let proposal = Proposal::prepare(work, &waiting.candidate, limits);
-            tasks.extend(proposal.map(|p| (&mut waiting.solved, p)));
-        }
-    }
-    let (turn, left) = (AtomicUsize::new(0), AtomicUsize::new(needed));
-    let solved: Vec<OnceLock<_>> = tasks.iter().map(|_| OnceLock::new()).collect();
-    let solve = |_| {
-        loop {
-            let i = turn.fetch_add(1, Ordering::Relaxed);
-            let late = i >= needed && left.load(Ordering::Relaxed) == 0;
-            let Some((_, proposal)) = tasks.get(i).filter(|_| !late) else { break };
-            let _ = solved[i].set(proposal.solve(work, limits, run));
-            if i < needed {
-                left.fetch_sub(1, Ordering::Relaxed);
-            }
-        }
-    };
-    (0..threads.min(tasks.len())).into_par_iter().with_max_len(1).for_each(solve);
-    for ((place, _), solved) in tasks.into_iter().zip(solved) {
-        *place = solved.into_inner().transpose()?;
-    }
-    Ok(())
 }

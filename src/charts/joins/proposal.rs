@@ -13,6 +13,7 @@ use crate::charts::limits::fit::{Fit, Joined, refine};
 use crate::charts::part_mesh::Piece;
 use crate::charts::patchwork::{Patchwork, next};
 use crate::contract::{Canceled, Run};
+use crate::tasks;
 
 /// A path whose two sides differ by more than this share of its length (rms, after the best rigid
 /// motion) is not worth a solve.
@@ -107,7 +108,7 @@ impl Proposal {
             faces.sort_unstable();
         }
         let glued = |h: u32| work.glued[h as usize] || closed.contains(&h);
-        let piece = work.mesh.cut_open_where(faces, glued);
+        let piece = tasks::link("open", || work.mesh.cut_open_where(faces, glued));
         let known = work.known.recall(&piece, self.bound(&piece)).is_some();
         let found = (!known).then(|| self.flatten(work, &piece, limits, run)).transpose()?;
         Ok(Solved { path, piece, found })
@@ -132,12 +133,11 @@ impl Proposal {
     /// Close the path, if that holds: the union becomes chart `a` of the candidate. Whether it was closed.
     pub fn decide(
         &self,
-        solved: Option<Solved>,
+        solved: Solved,
         work: &mut Patchwork,
         limits: &ChartLimits,
         run: &Run,
     ) -> Result<bool, Canceled> {
-        let solved = solved.map_or_else(|| self.solve(work, limits, run), Ok)?;
         let Solved { path, piece, found } = solved;
         let bound = self.bound(&piece);
         // What is known now comes before what was found ahead of the turn.

@@ -5,7 +5,6 @@ use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
 use super::candidates::{self, Candidate};
-use super::proposal::Solved;
 use crate::charts::patchwork::Patchwork;
 
 /// Rank in the queue, and the number of a candidate.
@@ -15,8 +14,6 @@ type Place = (u64, Reverse<u32>);
 pub struct Waiting {
     /// The path.
     pub candidate: Candidate,
-    /// What was solved ahead of its turn.
-    pub solved: Option<Solved>,
     place: Place,
     /// Those of its charts when it was found.
     versions: [u32; 2],
@@ -82,7 +79,7 @@ impl<'a> Queue<'a> {
         let place = (worth.to_bits(), Reverse(self.waiting.len() as u32));
         let versions = self.versions(&candidate);
         self.heap.push(place);
-        self.waiting.push(Some(Waiting { candidate, solved: None, place, versions }));
+        self.waiting.push(Some(Waiting { candidate, place, versions }));
     }
 
     /// Put back what was popped, where it was.

@@ -4,13 +4,10 @@
 //! doi:10.1007/3-540-49481-2_30). Tries end when the last ones gained nothing, or the work that is allowed them,
 //! counted in faces of the charts taken apart, is done.
 
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 use super::merge::merge;
-use crate::charts::ahead::beside;
 use crate::charts::limits::ChartLimits;
-use crate::charts::limits::known::Known;
 use crate::charts::moves::straighten::straighten;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
@@ -22,9 +19,6 @@ const CHARTS: usize = 3;
 
 /// Tries in a row that gain nothing before it is enough.
 const IDLE: usize = 12;
-
-/// Tries that are made at the same time, at most: most gain nothing, and the next is then what it would have been.
-const AHEAD: usize = 4;
 
 /// Join charts of `work` anew while its objective falls. `patch_of`: the patch of each face; `objective`: what
 /// a patchwork costs; `allowance`: faces that all tries together may take apart.
@@ -41,29 +35,16 @@ pub fn rejoin<'a>(
     let mut tried: BTreeSet<Vec<u32>> = BTreeSet::new();
     while idle < IDLE && !run.skips(Stage::Charts, GaveUp::Joining) {
         run.cancel.check()?;
-        let ahead = AHEAD.min(rayon::current_num_threads()) as u64;
-        let tries: Vec<Try> = (round..round + ahead).map_while(|k| Try::draw(&work, k)).collect();
-        if tries.is_empty() {
-            break;
-        }
-        let made = make_ahead(&tries, &work, patch_of, limits, run)?;
-        for (one, made) in tries.into_iter().zip(made) {
-            let faces: usize = one.charts.iter().map(|&c| work.faces[c as usize].len()).sum();
-            let left = allowance.checked_sub(faces);
-            let Some(left) = left.filter(|_| idle < IDLE) else { return Ok(work) };
-            (allowance, round) = (left, round + 1);
-            // What was found ahead of its turn must be what is found in it.
-            let mut other = match made.filter(|other| work.known.take(&other.known)) {
-                Some(other) => other,
-                None => one.make(work.clone(), patch_of, limits, run)?,
-            };
-            let cost = objective(&other);
-            if cost < reached * (1.0 - 1e-9) {
-                other.known = work.known.clone();
-                (work, reached, idle) = (other, cost, 0);
-                tried.clear();
-                break;
-            }
+        let Some(one) = Try::draw(&work, round) else { break };
+        let faces: usize = one.charts.iter().map(|&c| work.faces[c as usize].len()).sum();
+        let Some(left) = allowance.checked_sub(faces) else { break };
+        (allowance, round) = (left, round + 1);
+        let other = one.make(work.clone(), patch_of, limits, run)?;
+        let cost = objective(&other);
+        if cost < reached * (1.0 - 1e-9) {
+            (work, reached, idle) = (other, cost, 0);
+            tried.clear();
+        } else {
             // What was tried twice in vain counts double: there is little else to try.
             idle += 1 + usize::from(!tried.insert(one.charts));
         }
@@ -114,30 +95,6 @@ impl Try {
         }
         Ok(work)
     }
-}
-
-/// Make tries at the same time; none is begun after the first is done. `None` for what was not made.
-fn make_ahead<'a>(
-    tries: &[Try],
-    work: &Patchwork<'a>,
-    patch_of: &[u32],
-    limits: &ChartLimits,
-    run: &Run,
-) -> Result<Vec<Option<Patchwork<'a>>>, Canceled> {
-    let [first, others @ ..] = tries else { return Ok(Vec::new()) };
-    if others.is_empty() {
-        return Ok(vec![None]);
-    }
-    let make = |one: &Try| {
-        let known = Known::fork(&work.known);
-        one.make(Patchwork { known, ..work.clone() }, patch_of, limits, run)
-    };
-    let ahead = |is_late: &(dyn Fn() -> bool + Sync)| {
-        let make = |one: &Try| (!is_late()).then(|| make(one)).transpose();
-        others.par_iter().with_max_len(1).map(make).collect::<Result<Vec<_>, _>>()
-    };
-    let (first, others) = beside(|| make(first), ahead);
-    Ok(std::iter::once(Some(first?)).chain(others?).collect())
 }
 
 /// Two charts that meet, drawn by the length of their seams, and one beside them; ascending. `None` where no two

@@ -6,7 +6,8 @@ use glam::DMat2;
 use super::ChartLimits;
 use crate::charts::chart::StartKind;
 use crate::contract::{Canceled, Run};
-use crate::flatten::{self, Border, Disk, SlimOptions, UvMap};
+use crate::flatten::{self, Border, Disk, Pattern, Slim, SlimOptions, UvMap};
+use crate::tasks;
 
 /// Descent steps that a trial may take: a union that is far off after these is refused.
 const STEPS: u32 = 6;
@@ -52,8 +53,12 @@ pub fn refine(
     let energy = |uv: &UvMap| flatten::mean_energy(disk, uv) - 1.0;
     let mut warm = flatten::rescale(disk, joined.uv);
     let mut least = energy(&warm);
-    if least > bound
-        && let Ok(sewn) = flatten::stitch(disk, &joined.frames, &warm)
+    // Sewing and descent solve on one pattern.
+    let found = || tasks::link("pattern", || disk.pattern().ok());
+    let pattern = if least > bound { found() } else { None };
+    if let Some(pattern) = &pattern
+        && let Ok(sewn) =
+            tasks::link("stitch", || flatten::stitch(disk, pattern, &joined.frames, &warm))
     {
         let torn = flatten::misfit(disk, &joined.frames, &sewn);
         let sewn = flatten::rescale(disk, sewn);
@@ -70,7 +75,7 @@ pub fn refine(
         if energy(&start.0) > FAR * bound {
             return Ok(None);
         }
-        return descend(disk, None, start, bound, limits, run);
+        return descend(disk, (None, pattern.as_ref()), start, bound, limits, run);
     }
     if least > FAR * bound {
         return Ok(None);
@@ -82,7 +87,7 @@ pub fn refine(
     if !flatten::has_simple_boundary(&border, &warm) {
         return Ok(None);
     }
-    descend(disk, Some(border), (warm, StartKind::Weld), bound, limits, run)
+    descend(disk, (Some(border), pattern.as_ref()), (warm, StartKind::Weld), bound, limits, run)
 }
 
 /// The best start map, improved until it is within the bound and proved injective; `None` where that
@@ -94,12 +99,13 @@ pub fn from_scratch(
     run: &Run,
 ) -> Result<Option<Fit>, Canceled> {
     run.count(disk.triangles.len());
-    descend(disk, None, start(disk, limits), bound, limits, run)
+    descend(disk, (None, None), start(disk, limits), bound, limits, run)
 }
 
 /// The best start map, and how it was made.
 fn start(disk: &Disk, limits: &ChartLimits) -> (UvMap, StartKind) {
-    let (start, kind) = flatten::start_map(disk, limits.pinches.then_some(limits.clearance));
+    let clearance = limits.pinches.then_some(limits.clearance);
+    let (start, kind) = tasks::link("start map", || flatten::start_map(disk, clearance));
     (start, kind.into())
 }
 
@@ -110,8 +116,10 @@ pub fn is_sound(disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
 
 /// Like [`is_sound`], for a disk whose border is known.
 pub fn is_sound_within(border: &Border, disk: &Disk, uv: &UvMap, clearance: f64) -> bool {
-    flatten::certify_within(border, disk, uv).is_injective()
-        && flatten::is_clear(border, uv, clearance)
+    tasks::link("proof", || {
+        flatten::certify_within(border, disk, uv).is_injective()
+            && flatten::is_clear(border, uv, clearance)
+    })
 }
 
 /// A map with its pinched corners parted, where it has any and may.
@@ -119,10 +127,11 @@ fn parted(disk: &Disk, border: &Border, uv: &UvMap, limits: &ChartLimits) -> Opt
     limits.pinches.then(|| flatten::parted(disk, border, uv, limits.clearance)).flatten()
 }
 
-/// Improve a map until it is within the bound, and prove it injective. `border`: that of the disk, if it is known.
+/// Improve a map until it is within the bound, and prove it injective. `border`, `pattern`: those of the disk, if
+/// they are known.
 fn descend(
     disk: &Disk,
-    border: Option<Border>,
+    (border, pattern): (Option<Border>, Option<&Pattern>),
     (mut uv, kind): (UvMap, StartKind),
     bound: f64,
     limits: &ChartLimits,
@@ -138,7 +147,7 @@ fn descend(
             newton: kind == StartKind::Weld,
             ..Default::default()
         };
-        uv = flatten::slim(disk, &uv, &options, &run.cancel)?;
+        uv = Slim::descend_on(disk, pattern, &uv, &options, &run.cancel)?.uv;
         energy = flatten::mean_energy(disk, &uv) - 1.0;
     }
     // A map with flips has infinite energy.

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::fit::Fit;
 use crate::charts::part_mesh::Piece;
@@ -21,86 +21,40 @@ struct Outcomes {
     refused: Option<f64>,
 }
 
-/// What was found of a piece within a bound.
-type Finding = (Key, f64, Option<Fit>);
-
 /// Outcomes of the pieces of one component. What is tried at the same time is noted afterwards and in order, so
 /// that what is known does not depend on which of them is done first. What was answered once is answered the same
 /// for ever.
 #[derive(Debug, Default)]
 pub struct Known {
-    /// What others had found before.
-    before: Option<Arc<Known>>,
-    own: Mutex<Own>,
-}
-
-#[derive(Debug, Default)]
-struct Own {
-    outcomes: HashMap<Key, Outcomes>,
-    /// In the order in which they were noted, if they may have to be told on.
-    findings: Vec<Finding>,
+    outcomes: Mutex<HashMap<Key, Outcomes>>,
 }
 
 impl Known {
-    /// For work that may come to nothing: what is known, and what will be found is kept apart.
-    pub fn fork(known: &Arc<Self>) -> Arc<Self> {
-        Arc::new(Self { before: Some(known.clone()), ..Default::default() })
-    }
-
     /// What is known of a piece within `bound` (mean symmetric Dirichlet energy, minus 1): its map, or that it
     /// has none.
     pub fn recall(&self, piece: &Piece, bound: f64) -> Option<Option<Fit>> {
-        self.answer(&key(piece), bound)
+        let outcomes = self.lock();
+        let Outcomes { fits, refused } = outcomes.get(&key(piece))?;
+        // What was refused stays so, also where a wider bound came upon a map within this one.
+        if refused.is_some_and(|refused| bound <= refused) {
+            return Some(None);
+        }
+        fits.iter().find(|fit| fit.energy <= bound).cloned().map(Some)
     }
 
     /// Remember what was found within `bound`, and hand it back.
     pub fn note(&self, piece: &Piece, bound: f64, found: Option<Fit>) -> Option<Fit> {
-        self.remember((key(piece), bound, found.clone()));
+        let mut all = self.lock();
+        let outcomes = all.entry(key(piece)).or_default();
+        match &found {
+            Some(fit) => outcomes.fits.push(fit.clone()),
+            None => outcomes.refused = Some(outcomes.refused.map_or(bound, |r| r.max(bound))),
+        }
         found
     }
 
-    /// Remember what was found with a fork, if the fork would have found the same knowing what is known now.
-    /// Whether it would.
-    pub fn take(&self, fork: &Self) -> bool {
-        let findings = std::mem::take(&mut fork.lock().findings);
-        let same = |(key, bound, found): &Finding| {
-            self.answer(key, *bound).is_none_or(|answer| answer == *found)
-        };
-        let all = findings.iter().all(same);
-        if all {
-            findings.into_iter().for_each(|finding| self.remember(finding));
-        }
-        all
-    }
-
-    fn answer(&self, key: &Key, bound: f64) -> Option<Option<Fit>> {
-        let before = self.before.as_ref().and_then(|before| before.answer(key, bound));
-        before.or_else(|| {
-            let own = self.lock();
-            let Outcomes { fits, refused } = own.outcomes.get(key)?;
-            // What was refused stays so, also where a wider bound came upon a map within this one.
-            if refused.is_some_and(|refused| bound <= refused) {
-                return Some(None);
-            }
-            fits.iter().find(|fit| fit.energy <= bound).cloned().map(Some)
-        })
-    }
-
-    fn remember(&self, finding: Finding) {
-        let mut own = self.lock();
-        if self.before.is_some() {
-            own.findings.push(finding.clone());
-        }
-        let (key, bound, found) = finding;
-        let outcomes = own.outcomes.entry(key).or_default();
-        match found {
-            Some(fit) => outcomes.fits.push(fit),
-            None => outcomes.refused = Some(outcomes.refused.map_or(bound, |r| r.max(bound))),
-        }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Own> {
-        self.own.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Outcomes>> {
+        self.outcomes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -159,26 +113,5 @@ mod tests {
         assert_eq!(ask(&c, 0.1, None), (None, 6));
         assert_eq!(ask(&c, 0.2, Some(0.08)), (Some(0.08), 7));
         assert_eq!(ask(&c, 0.1, None), (None, 7), "one answer for ever");
-    }
-
-    #[test]
-    fn what_a_fork_finds_is_taken_if_it_would_find_it_again() {
-        let kind = StartKind::Weld;
-        let fit = |energy: f64| Some(Fit { uv: Vec::new(), energy, kind });
-        let [a, b] = [piece(vec![0, 1, 2, 3]), piece(vec![0, 1, 2, 4])];
-        let known = Arc::new(Known::default());
-        known.note(&a, 0.1, None);
-        let [first, second, third] = [(); 3].map(|()| Known::fork(&known));
-        assert_eq!(second.recall(&a, 0.1), Some(None), "a fork knows what was known before");
-        first.note(&b, 0.1, fit(0.02));
-        assert_eq!(known.recall(&b, 0.1), None, "what it finds is its own");
-        second.note(&b, 0.1, fit(0.03));
-        third.note(&b, 0.1, fit(0.02));
-        third.note(&a, 0.3, None);
-        assert!(known.take(&first));
-        assert!(!known.take(&second), "another map than what is known now");
-        assert!(known.take(&third));
-        assert_eq!(known.recall(&b, 0.1).flatten().map(|fit| fit.energy), Some(0.02));
-        assert_eq!(known.recall(&a, 0.3), Some(None));
     }
 }

@@ -4,12 +4,12 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use crate::charts::limits::ChartLimits;
 use crate::charts::limits::extent::sound_map;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, Run};
+use crate::tasks;
 
 /// Directions over half a turn in which a cut, and a rectangle's side, may run: an even number, so that
 /// each has one across it.
@@ -124,8 +124,9 @@ fn best_cut(
         }
         best
     };
-    let found: Vec<_> = (0..DIRECTIONS).into_par_iter().filter_map(best_along).collect();
-    let best = found.into_iter().reduce(|best, next| if next.0 > best.0 { next } else { best });
+    let found = tasks::map("cut along", 0..DIRECTIONS, best_along);
+    let best =
+        found.into_iter().flatten().reduce(|best, next| if next.0 > best.0 { next } else { best });
     best.map(|(_, pieces)| pieces)
 }
 

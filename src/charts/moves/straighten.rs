@@ -8,7 +8,6 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::charts::joins::candidates;
 use crate::charts::joins::proposal::{Motion, lay_out, rigid_motion};
@@ -19,6 +18,7 @@ use crate::charts::part_mesh::Piece;
 use crate::charts::patchwork::Patchwork;
 use crate::contract::{Canceled, GaveUp, Run, Stage};
 use crate::mesh::{Flow, NONE};
+use crate::tasks;
 
 /// Width of the collar on each side, over the size (√area) of the smaller chart. Halved where it would
 /// leave nothing of a chart.
@@ -70,18 +70,16 @@ pub fn straighten(
             }
             !free
         });
-        let found: Vec<Move> =
-            batch.par_iter().filter_map(|&pair| Move::find(work, pair)).collect();
+        let found = tasks::map("seam", &batch, |&pair| Move::find(work, pair));
         let affordable = |found: &Move| {
             let left = allowance.checked_sub(found.size(work));
             allowance = left.unwrap_or(allowance);
             left.is_some()
         };
-        let tried: Vec<Move> = found.into_iter().filter(affordable).collect();
-        let solved: Result<Vec<_>, Canceled> =
-            tried.par_iter().map(|found| found.solve(work, limits, run)).collect();
-        for (found, new) in tried.iter().zip(solved?) {
-            if let Some(new) = new {
+        let tried: Vec<Move> = found.into_iter().flatten().filter(affordable).collect();
+        let solved = tasks::map("move", &tried, |found| found.solve(work, limits, run));
+        for (found, new) in tried.iter().zip(solved) {
+            if let Some(new) = new? {
                 found.commit(work, &new);
                 changed.extend(found.charts);
             }
@@ -264,7 +262,7 @@ impl Move {
             let needed = !missed.load(Ordering::Relaxed);
             needed.then(|| self.sew(work, theirs, a, back, limits, run)).transpose()
         };
-        let (ours, theirs) = rayon::join(first, second);
+        let (ours, theirs) = tasks::join("sides of a seam", first, second);
         let (ours, theirs) = (ours?, theirs?);
         // What is moved at the same time has no face in common.
         let note = |(piece, found): (Piece, Option<Fit>)| {

@@ -12,8 +12,6 @@ pub mod tube;
 pub use initial::initial_patches;
 pub use open::open_where;
 
-use rayon::prelude::*;
-
 use crate::charts::chart::StartKind;
 use crate::charts::limits::ChartLimits;
 use crate::charts::limits::fit::{Fit, from_scratch};
@@ -25,6 +23,8 @@ use cluster::cluster;
 use open::open;
 use sides::{Side, glue_side};
 use split::halves;
+
+use crate::tasks;
 
 /// Patch of each local face, which edges are closed, and the map of each patch. The sides come
 /// first.
@@ -62,12 +62,13 @@ pub fn patches(
             faces[p as usize].push(f as u32);
         }
         let mut divided = Vec::new();
-        let tried: Result<Vec<_>, Canceled> = std::mem::take(&mut pending)
-            .into_par_iter()
-            .map(|p| Ok((p, lay_flat(mesh, &faces[p as usize], [&inside, &glued], limits, run)?)))
-            .collect();
-        for (patch, flat) in tried? {
-            if let Some((piece, fit, is_whole)) = flat {
+        let now = std::mem::take(&mut pending);
+        let size = |&p: &u32| faces[p as usize].len();
+        let tried = tasks::map_by_size("patch", now.clone(), size, |p| {
+            lay_flat(mesh, &faces[p as usize], [&inside, &glued], limits, run)
+        });
+        for (patch, flat) in now.into_iter().zip(tried) {
+            if let Some((piece, fit, is_whole)) = flat? {
                 whole[patch as usize] = is_whole;
                 fits[patch as usize] = Some((piece, fit));
                 continue;

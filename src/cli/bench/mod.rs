@@ -4,12 +4,14 @@
 mod arms;
 mod by_name;
 mod cell;
+mod cores;
 mod determinism;
 mod files;
 mod names;
 mod object;
 mod options;
 mod peer;
+mod plot;
 mod program;
 mod progress;
 mod quality;
@@ -34,10 +36,13 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum What {
+    /// Unwrap objects with one thread and with two, and record one run each: work and span of every stage, the
+    /// seconds to expect of 4, 16 and 64 threads, and what the longest chain of tasks is made of.
+    Cores(cores::Args),
     /// Unwrap every mesh of a folder, next to the classical unwrapper on the same conditioned surface; write
     /// one JSON line an object and print the table.
     Quality(quality::Args),
-    /// Unwrap objects with one thread and with two, twice each, and compare every file byte for byte.
+    /// Unwrap objects with one thread, two, three and eight, and compare every file byte for byte.
     Determinism(determinism::Args),
     /// Name the parts of labelled objects, and tell how often the names are right, by how sure they are.
     Names(names::Args),
@@ -64,6 +69,7 @@ enum What {
 /// Run it.
 pub fn run(args: Args) -> Result<()> {
     match args.what {
+        What::Cores(args) => cores::run(args),
         What::Quality(args) => quality::run(args),
         What::Determinism(args) => determinism::run(args),
         What::Names(args) => names::run(args),

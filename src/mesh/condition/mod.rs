@@ -18,6 +18,7 @@ mod walls;
 mod weld;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{NONE, Scene, Surface, Telling};
 use crate::contract::{Canceled, FirstFaces, Repairs, Run, Winding};
@@ -29,6 +30,8 @@ use places::Places;
 use shells::Shells;
 use sign::Said;
 use weld::Weld;
+
+use crate::tasks;
 
 /// A face whose height is below this share of the diagonal has no area.
 const FLAT: f64 = 1e-7;
@@ -45,21 +48,29 @@ pub struct Conditioned {
 /// Condition a scene.
 pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Conditioned, Canceled> {
     run.cancel.check()?;
-    let mut file = FileFaces::of(scene);
+    let mut file = tasks::link("file faces", || FileFaces::of(scene));
     let FileFaces { low, diagonal, .. } = file;
-    let mut weld = Weld::new(&file.positions, low, weld::TOLERANCE * diagonal);
-    keep_slivers(&file, &mut weld);
-    let (vertex, positions) = weld.vertices();
+    let (vertex, positions, wide) = tasks::link("weld", || {
+        let mut weld = Weld::new(&file.positions, low, weld::TOLERANCE * diagonal);
+        keep_slivers(&file, &mut weld);
+        let (vertex, positions) = weld.vertices();
+        (vertex, positions, weld.wide)
+    });
     file.welded = file.triangles.iter().map(|t| t.map(|v| vertex[v as usize])).collect();
     run.cancel.check()?;
     let at = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
-    let usable: Vec<bool> = file.welded.iter().map(|t| has_area(at(t), diagonal)).collect();
-    let places = Places::of(&file, &usable, scene.labels.as_deref(), winding);
+    let usable =
+        tasks::fill("usable", file.welded.len(), |f| has_area(at(&file.welded[f]), diagonal));
+    let labels = scene.labels.as_deref();
+    let places = tasks::link("places", || Places::of(&file, &usable, labels, winding));
     run.cancel.check()?;
     let directed = winding == Winding::File;
-    let groups = EdgeGroups::new(&places.iter().map(|i| i[0].vertices).collect::<Vec<_>>());
+    let groups = tasks::link("edges", || {
+        EdgeGroups::new(&places.iter().map(|i| i[0].vertices).collect::<Vec<_>>())
+    });
     let nonmanifold = groups.iter().filter(|g| g.len() > 2).count();
-    let Shells { shell, solid } = Shells::of(scene, &file, &places, &groups);
+    let Shells { shell, solid } =
+        tasks::link("shells", || Shells::of(scene, &file, &places, &groups));
     file.origins.iter_mut().zip(&shell).for_each(|(origin, &shell)| origin.shell = shell);
     let before = places.len();
     let places = places.by_solid(&solid);
@@ -67,18 +78,20 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     // Where solids part no place, the edges are still the same.
     let groups = (places.len() == before && !directed).then_some(groups);
     let Complex { positions, triangles, places: faces, closes, walls, mut twin } =
-        Complex::of(&places, groups, positions, diagonal, directed);
+        tasks::link("pairs", || Complex::of(&places, groups, positions, diagonal, directed));
     run.cancel.check()?;
     // Where windings count, twins agree.
-    let orientation = orient::orient(&triangles, &mut twin);
+    let orientation = tasks::link("orient", || orient::orient(&triangles, &mut twin));
     let origin = |&place: &u32| file.origins[places.instances(place as usize)[0].face as usize];
     let cross = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| positions[v as usize]);
         (b - a).cross(c - a)
     };
     let mut surface = Surface {
-        normals: triangles.iter().map(|t| cross(t).normalize_or_zero()).collect(),
-        areas: triangles.iter().map(|t| 0.5 * cross(t).length()).collect(),
+        normals: tasks::fill("normals", triangles.len(), |f| {
+            cross(&triangles[f]).normalize_or_zero()
+        }),
+        areas: tasks::fill("areas", triangles.len(), |f| 0.5 * cross(&triangles[f]).length()),
         sheet_mate: mates(&triangles),
         closes,
         origins: faces.iter().map(origin).collect(),
@@ -95,13 +108,14 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     if !directed {
         surface = surface.turned(&orientation.turned);
         let said = Said::of(&normals, &surface, &places, &faces);
-        let turned = sign::turned(&surface, &said, run)?;
+        let turned = tasks::link("sign", || sign::turned(&surface, &said, run))?;
         surface = surface.turned(&turned);
     }
     run.cancel.check()?;
-    let (telling, told) = tell::tell(&mut surface, &file, &places, &walls);
+    let (telling, told) = tasks::link("tell", || tell::tell(&mut surface, &file, &places, &walls));
     surface.labels = scene.labels.as_ref().map(|labels| surface.from_file_order(labels));
-    surface.existing_seams = existing_seams(scene, &file, &surface);
+    surface.existing_seams =
+        tasks::link("existing seams", || existing_seams(scene, &file, &surface));
 
     let closed = surface.closed_faces();
     let first = |has: &dyn Fn(usize) -> bool| (0..usable.len()).find(|&f| has(f)).map(|f| f as u64);
@@ -109,7 +123,7 @@ pub fn condition(scene: &Scene, winding: Winding, run: &Run) -> Result<Condition
     let against = normals::against(&normals, &file, &usable);
     surface.repairs = Repairs {
         welded: (file.positions.len() - surface.positions.len()) as u64,
-        wide_welds: weld.wide,
+        wide_welds: wide,
         t_junctions: closed.len() as u64,
         zero_area_faces: usable.iter().filter(|u| !**u).count() as u64,
         nonmanifold_edges: nonmanifold as u64,
@@ -149,15 +163,13 @@ fn has_area([a, b, c]: [DVec3; 3], diagonal: f64) -> bool {
 
 /// For each face one other on the same vertices, or [`NONE`].
 fn mates(triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut keyed: Vec<([u32; 3], u32)> = (0u32..)
-        .zip(triangles)
-        .map(|(f, t)| {
-            let mut key = *t;
-            key.sort_unstable();
-            (key, f)
-        })
-        .collect();
-    keyed.sort_unstable();
+    let key = |f: usize| {
+        let mut key = triangles[f];
+        key.sort_unstable();
+        (key, f as u32)
+    };
+    let mut keyed = tasks::fill("mates", triangles.len(), key);
+    tasks::even("mates", keyed.len(), || keyed.par_sort_unstable());
     let mut mates = vec![NONE; triangles.len()];
     for group in keyed.chunk_by(|a, b| a.0 == b.0) {
         for pair in group.chunks_exact(2) {

@@ -4,12 +4,14 @@
 //! are equally flat, as where two sheets of other triangles lie on each other, the file's windings are heard.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::orient::ascends;
 use super::oriented_sets::OrientedSets;
 use super::places::Class;
 use super::walls::Walls;
 use crate::mesh::NONE;
+use crate::tasks;
 
 /// Wings that lie on each other (cosine of the angle between them) are not one surface.
 const FOLDED: f64 = 0.9999;
@@ -28,14 +30,13 @@ pub struct EdgeGroups {
 impl EdgeGroups {
     /// Group the half-edges.
     pub fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
-        for (f, t) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                let (a, b) = (u64::from(t[k]), u64::from(t[(k + 1) % 3]));
-                keyed.push(((a.min(b) << 32) | a.max(b), (3 * f + k) as u32));
-            }
-        }
-        keyed.sort_unstable();
+        let key = |h: usize| {
+            let t = triangles[h / 3];
+            let (a, b) = (u64::from(t[h % 3]), u64::from(t[(h % 3 + 1) % 3]));
+            ((a.min(b) << 32) | a.max(b), h as u32)
+        };
+        let mut keyed = tasks::fill("edges", 3 * triangles.len(), key);
+        tasks::even("edges", keyed.len(), || keyed.par_sort_unstable());
         let mut starts = Vec::new();
         for i in 0..keyed.len() {
             if i == 0 || keyed[i].0 != keyed[i - 1].0 {
@@ -43,7 +44,7 @@ impl EdgeGroups {
             }
         }
         starts.push(keyed.len() as u32);
-        Self { order: keyed.into_iter().map(|(_, h)| h).collect(), starts }
+        Self { order: tasks::fill("edges", keyed.len(), |i| keyed[i].1), starts }
     }
 
     /// The half-edges of each edge, ascending.

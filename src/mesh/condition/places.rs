@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::file::FileFaces;
 use crate::contract::Winding;
+use crate::tasks;
 
 /// What faces at one place must have in common to be one: material, given label, and solid (0 where that is
 /// not known yet).
@@ -52,7 +53,7 @@ impl Places {
     }
 
     fn sorted(mut instances: Vec<Instance>) -> Self {
-        instances.par_sort_unstable();
+        tasks::even("places", instances.len(), || instances.par_sort_unstable());
         let place = |i: &Instance| (i.vertices, i.class, i.parted);
         let mut starts = vec![0];
         for i in 1..=instances.len() {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::contract::{Canceled, Run};
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
+use crate::tasks;
 
 /// Share of the area whose vertex normals must agree.
 const AGREE: f64 = 0.9;
@@ -219,5 +220,5 @@ fn by_rays(
         let clear = (front - back).abs() > UNDECIDED * all;
         Ok(clear.then_some(back > front))
     });
-    looked.collect()
+    tasks::even("sides seen", asked.len(), || looked.collect())
 }

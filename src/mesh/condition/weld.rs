@@ -10,6 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::mesh::{DisjointSets, NONE};
+use crate::tasks;
 
 /// Vertices closer than this share of the diagonal are one.
 pub const TOLERANCE: f64 = 1e-6;
@@ -43,7 +44,9 @@ impl Weld {
         // Adding 0 makes one of the two zeros.
         let mut order: Vec<(DVec3, u32)> =
             positions.par_iter().enumerate().map(|(i, &p)| (p + 0.0, i as u32)).collect();
-        order.par_sort_unstable_by(|a, b| lexicographic(a.0, b.0).then(a.1.cmp(&b.1)));
+        tasks::even("weld", order.len(), || {
+            order.par_sort_unstable_by(|a, b| lexicographic(a.0, b.0).then(a.1.cmp(&b.1)))
+        });
         let mut place = vec![0; positions.len()];
         let mut places: Vec<DVec3> = Vec::new();
         for (p, i) in order {

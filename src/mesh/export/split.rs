@@ -2,13 +2,15 @@
 
 use rayon::slice::ParallelSliceMut;
 
+use crate::tasks;
+
 /// The distinct keys in ascending order, and for each corner the index of its key. With the old
 /// vertex as the head of the key, new vertices stay in the order of the old ones.
 pub(in crate::mesh) fn split<K: Ord + Copy + Send>(
     corners: impl Iterator<Item = K>,
 ) -> (Vec<K>, Vec<u32>) {
     let mut order: Vec<(K, u32)> = corners.zip(0u32..).collect();
-    order.par_sort_unstable();
+    tasks::even("split", order.len(), || order.par_sort_unstable());
     let mut keys: Vec<K> = Vec::new();
     let mut index = vec![0; order.len()];
     for (key, corner) in order {

@@ -7,6 +7,7 @@ use super::collapse::{Collapsed, Sheet, collapse};
 use super::place::{Locator, Place};
 use crate::contract::{Canceled, Run};
 use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::tasks;
 
 /// A component that was collapsed; its faces and vertices have numbers of their own.
 pub struct Dense {
@@ -53,8 +54,8 @@ impl Dense {
             feature: half_edges().map(|h| features[h as usize]).collect(),
         };
         let fine = sheet.clone();
-        let mut collapsed = collapse(sheet, coarse, &run.cancel)?;
-        let (face, places) = locate(&fine, &collapsed);
+        let mut collapsed = tasks::link("collapse", || collapse(sheet, coarse, &run.cancel))?;
+        let (face, places) = tasks::link("locate", || locate(&fine, &collapsed));
         collapsed.sheet.positions.iter_mut().for_each(|p| *p = *p * unit + centre);
         run.cancel.check()?;
         Ok(Self { faces, vertices, collapsed, face, places })
@@ -118,11 +119,15 @@ fn locate(fine: &Sheet, collapsed: &Collapsed) -> (Vec<u32>, Vec<Place>) {
         let middle = t.iter().map(|&v| fine.positions[v as usize]).sum::<DVec3>() / 3.0;
         locator.find(t, middle, normal(t, &fine.positions), of).face
     };
-    let faces: Vec<u32> = fine.triangles.par_iter().zip(&within).map(face).collect();
+    let faces: Vec<u32> = tasks::even("located", fine.triangles.len(), || {
+        fine.triangles.par_iter().zip(&within).map(face).collect()
+    });
     let place = |v: usize| {
         let of = inside[v].unwrap_or(NONE);
         locator.find(&[v as u32], fine.positions[v], outwards[v], of)
     };
-    let places = (0..fine.positions.len()).into_par_iter().map(place).collect();
+    let places = tasks::even("located", fine.positions.len(), || {
+        (0..fine.positions.len()).into_par_iter().map(place).collect()
+    });
     (faces, places)
 }

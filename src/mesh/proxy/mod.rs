@@ -13,13 +13,13 @@ mod quadric;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{NONE, Surface};
 use crate::contract::{Canceled, Run};
 use builder::Builder;
 use dense::Dense;
 use features::features;
+
+use crate::tasks;
 pub use place::Place;
 
 /// How many faces make a connected component dense, and how many its proxy has.
@@ -86,7 +86,7 @@ pub struct Proxy {
 
 /// The proxy of a surface; `None` where no component is dense.
 pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Proxy>, Canceled> {
-    let roots = surface.components(|_| true);
+    let roots = tasks::link("components", || surface.components(|_| true));
     let mut components: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for f in 0..surface.face_count() as u32 {
         components.entry(roots[f as usize]).or_default().push(f);
@@ -95,7 +95,7 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     if components.is_empty() {
         return Ok(None);
     }
-    let features = features(surface);
+    let features = tasks::link("features", || features(surface));
     let (positions, corners) = surface.sheets();
     // Lace has no coarse form: too few faces would be left for each of its holes. Nor do many T-junctions, whose
     // caps are thinner than anything that a proxy keeps.
@@ -107,21 +107,18 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
     if components.is_empty() {
         return Ok(None);
     }
-    let dense: Result<Vec<Dense>, Canceled> = components
-        .into_values()
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|faces| {
-            let rough = is_rough(surface, &faces);
-            let coarse = if rough { size.coarse.min(faces.len() / FEWER) } else { size.coarse };
-            let mut dense =
-                Dense::new(surface, faces, (&positions, &corners), &features, coarse, run)?;
-            if rough {
-                denoise::denoise(&mut dense.collapsed);
-            }
-            Ok(dense)
-        })
-        .collect();
+    let collapse = |faces: Vec<u32>| {
+        let rough = is_rough(surface, &faces);
+        let coarse = if rough { size.coarse.min(faces.len() / FEWER) } else { size.coarse };
+        let mut dense = Dense::new(surface, faces, (&positions, &corners), &features, coarse, run)?;
+        if rough {
+            denoise::denoise(&mut dense.collapsed);
+        }
+        Ok(dense)
+    };
+    let components: Vec<Vec<u32>> = components.into_values().collect();
+    let dense: Result<Vec<Dense>, Canceled> =
+        tasks::map_by_size("dense", components, Vec::len, collapse).into_iter().collect();
     // What could not be collapsed stays as it is.
     let reached = |dense: &Dense| {
         let left = dense.collapsed.alive.iter().filter(|alive| **alive).count();
@@ -132,10 +129,10 @@ pub fn proxy(surface: &Surface, size: ProxySize, run: &Run) -> Result<Option<Pro
         return Ok(None);
     }
     let mut builder = Builder::new(surface, positions, corners, features);
-    for dense in dense {
-        builder.put(&dense);
-    }
-    Ok(Some(builder.finish()))
+    Ok(Some(tasks::link("proxy", || {
+        dense.iter().for_each(|dense| builder.put(dense));
+        builder.finish()
+    })))
 }
 
 /// Euler characteristic of a component.

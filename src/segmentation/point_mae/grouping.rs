@@ -6,6 +6,8 @@
 
 use rayon::prelude::*;
 
+use crate::tasks;
+
 /// Centres over which a point's features are interpolated.
 pub const NEAREST: usize = 3;
 
@@ -23,7 +25,8 @@ pub struct Groups {
 pub fn group(points: &[[f32; 3]], count: usize, size: usize) -> Groups {
     let centres = farthest(points, count);
     let members = centres.par_iter().flat_map_iter(|&c| nearest(points, points[c as usize], size));
-    Groups { members: members.collect(), centres }
+    let members = tasks::even("groups", centres.len(), || members.collect());
+    Groups { members, centres }
 }
 
 fn square(a: [f32; 3], b: [f32; 3]) -> f32 {

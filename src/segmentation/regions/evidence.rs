@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 
 use burn::tensor::Tensor;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::super::Seen;
 use super::super::network::Network;
@@ -16,6 +15,7 @@ use crate::device::DeviceKind;
 use crate::mesh::rays::Rays;
 use crate::mesh::{NONE, Surface};
 use crate::sampling::{NETWORK_POINTS, PointCloud, farthest_points};
+use crate::tasks;
 
 /// Places on the surface at which the network is asked, at most …
 const QUERIES: usize = 16_384;
@@ -59,14 +59,17 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     let faces = surface.face_count();
     let asked = cloud.subset(&spread(cloud, faces));
     run.count(asked.positions.len());
-    let rays = Rays::new(surface);
+    let rays = tasks::link("rays", || Rays::new(surface));
     let shown = || network.map(|_| farthest_points(cloud, NETWORK_POINTS, run)).transpose();
-    let (through, shown) =
-        rayon::join(|| thickness(surface, &rays, &asked.positions, &asked.faces), shown);
+    let (through, shown) = tasks::join(
+        "looks",
+        || thickness(surface, &rays, &asked.positions, &asked.faces),
+        || tasks::link("points shown", shown),
+    );
     let shown = shown?;
     run.cancel.check()?;
     let relative: Vec<f32> = through.iter().map(|t| t / surface.diagonal as f32).collect();
-    let fill = nearest_known(surface, &asked);
+    let fill = tasks::link("nearest known", || nearest_known(surface, &asked));
     let mut evidence =
         Evidence { thickness: on_faces(faces, &asked, &relative, 1, &fill), ..Default::default() };
     let (Some(Network { model, config, device, .. }), Some(shown)) = (network, shown) else {
@@ -105,7 +108,7 @@ pub fn gather(seen: Seen, network: Option<&Network>, run: &Run) -> Result<Eviden
     };
     // Much of a pass runs on one thread of the processor; a GPU does one at a time.
     let heard: Result<Vec<_>, Canceled> = match device.kind() {
-        DeviceKind::Cpu => (0..POSES).into_par_iter().map(hear).collect(),
+        DeviceKind::Cpu => tasks::map("pose", 0..POSES, hear).into_iter().collect(),
         _ => (0..POSES).map(hear).collect(),
     };
     for (pose, (part, names)) in heard?.iter().enumerate() {
