@@ -91,7 +91,7 @@ impl Refiner<'_> {
         let faces: Vec<u32> = faces.iter().map(|&f| mesh.faces[f as usize]).collect();
         // The cut may have been made with a higher bound, for `max_charts`.
         let reached = flatten::mean_energy(&chart.disk, &chart.cut_map) - 1.0;
-        let floor = tasks::link("noise floor", || self.noise_floor(&faces, &disk));
+        let floor = self.noise_floor(&faces, &disk);
         let most = self.options.distortion_bound.max(reached) + FLOORS * floor + MOVED;
         let sweeps = (SWEPT / faces.len().max(1)).clamp(SWEEPS[0], SWEEPS[1]) as u32;
         let unmapped = Unmapped { chart, border, faces, disk, most, sweeps };
@@ -198,17 +198,22 @@ impl Refiner<'_> {
             let corners = self.proxy.surface.corners(face as usize);
             corners.iter().zip(weights).map(|(c, w)| *c * f64::from(w)).sum::<DVec3>()
         };
-        let (mut sum, mut area) = (0.0, 0.0);
-        for (i, &f) in faces.iter().enumerate().filter(|(i, _)| disk.areas[*i] > 0.0) {
-            let [a, b, c] = self.proxy.corners[f as usize].map(at);
-            let [_, second, third] = flatten::flatten_triangle(a, b, c);
-            let laid = DMat2::from_cols(second, third) * disk.rest[i];
-            let energy = flatten::symmetric_dirichlet(laid) - 1.0;
-            if energy < COLLAPSED {
-                sum += disk.areas[i] * energy;
-                area += disk.areas[i];
+        let block = |places: std::ops::Range<usize>| {
+            let (mut sum, mut area) = (0.0, 0.0);
+            for i in places.filter(|&i| disk.areas[i] > 0.0) {
+                let [a, b, c] = self.proxy.corners[faces[i] as usize].map(at);
+                let [_, second, third] = flatten::flatten_triangle(a, b, c);
+                let laid = DMat2::from_cols(second, third) * disk.rest[i];
+                let energy = flatten::symmetric_dirichlet(laid) - 1.0;
+                if energy < COLLAPSED {
+                    sum += disk.areas[i] * energy;
+                    area += disk.areas[i];
+                }
             }
-        }
+            (sum, area)
+        };
+        let blocks = tasks::blocks("noise floor", faces.len(), block);
+        let (sum, area) = blocks.into_iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
         if area > 0.0 { sum / area } else { 0.0 }
     }
 

@@ -5,12 +5,15 @@
 //! where they are simple, do not meet, and only one of them runs counter-clockwise. Signs are decided
 //! by exact predicates (Shewchuk 1997), so that rounding cannot lie.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
 use super::Disk;
 use super::border::Border;
 use super::sweep::Sweep;
+use crate::tasks;
 
 /// What was found about one chart's map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +52,10 @@ pub fn is_positive(triangle: [DVec2; 3]) -> bool {
 
 /// How many triangles of positive 3D area are not positively oriented.
 pub fn count_flips(disk: &Disk, uv: &[DVec2]) -> u64 {
-    let flipped =
-        |(t, &area): (&[u32; 3], &f64)| area > 0.0 && !is_positive(t.map(|v| uv[v as usize]));
-    disk.triangles.iter().zip(&disk.areas).filter(|&pair| flipped(pair)).count() as u64
+    let corners = |f: usize| disk.triangles[f].map(|v| uv[v as usize]);
+    let flipped = |&f: &usize| disk.areas[f] > 0.0 && !is_positive(corners(f));
+    let count = |faces: Range<usize>| faces.filter(flipped).count() as u64;
+    tasks::blocks("flips", disk.triangles.len(), count).into_iter().sum()
 }
 
 /// Prove, or say why not, that a map is injective.
@@ -61,14 +65,19 @@ pub fn certify(disk: &Disk, uv: &[DVec2]) -> ChartProof {
 
 /// Like [`certify`], for a disk whose border is known.
 pub fn certify_within(border: &Border, disk: &Disk, uv: &[DVec2]) -> ChartProof {
-    let (mut flipped, mut zero_area) = (0, 0);
-    for (t, &area) in disk.triangles.iter().zip(&disk.areas) {
-        match orientation(t.map(|v| uv[v as usize])) {
-            -1 if area > 0.0 => flipped += 1,
-            0 if area > 0.0 => zero_area += 1,
-            _ => {}
+    let block = |faces: Range<usize>| {
+        let (mut flipped, mut zero_area) = (0, 0);
+        for f in faces.filter(|&f| disk.areas[f] > 0.0) {
+            match orientation(disk.triangles[f].map(|v| uv[v as usize])) {
+                -1 => flipped += 1,
+                0 => zero_area += 1,
+                _ => {}
+            }
         }
-    }
+        (flipped, zero_area)
+    };
+    let blocks = tasks::blocks("orientations", disk.triangles.len(), block);
+    let (flipped, zero_area) = blocks.into_iter().fold((0, 0), |(a, b), (x, y)| (a + x, b + y));
     ChartProof { flipped, zero_area, simple_boundary: has_simple_boundary(border, uv) }
 }
 

@@ -2,10 +2,13 @@
 //! (Smith & Schaefer, "Bijective Parameterization with Free Boundaries", 2015, section 4), here
 //! divided by 4 so that an isometry has energy 1.
 
+use std::ops::Range;
+
 use glam::{DMat2, DVec2};
 
 use super::injective::{count_flips, is_positive};
 use super::{Disk, UvMap};
+use crate::tasks;
 
 /// How far a map is from an isometry. Energies are symmetric Dirichlet energies, 1 for an isometry
 /// and infinite where a triangle is flipped; all but `optimal` are taken after the map is scaled so
@@ -64,13 +67,16 @@ fn square_sum(j: DMat2) -> f64 {
 
 /// √(UV area / 3D area): the scale of a map. Triangles without 3D area count for nothing.
 pub fn scale(disk: &Disk, uv: &[DVec2]) -> f64 {
-    let (mut flat, mut solid) = (0.0, 0.0);
-    for (f, &area) in disk.areas.iter().enumerate() {
-        if area > 0.0 {
+    let block = |faces: Range<usize>| {
+        let (mut flat, mut solid) = (0.0, 0.0);
+        for f in faces.filter(|&f| disk.areas[f] > 0.0) {
             flat += disk.uv_area(f, uv);
-            solid += area;
+            solid += disk.areas[f];
         }
-    }
+        (flat, solid)
+    };
+    let blocks = tasks::blocks("scale", disk.areas.len(), block);
+    let (flat, solid) = blocks.into_iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     (flat.max(0.0) / solid).sqrt()
 }
 
@@ -86,16 +92,21 @@ pub fn rescale(disk: &Disk, mut uv: UvMap) -> UvMap {
 /// Area-weighted sums of σ1² + σ2² and of σ1⁻² + σ2⁻², divided by the area: with t the scale of
 /// the map, its mean energy is (t²·a + b/t²)/4, least at t⁴ = b/a.
 fn dirichlet_sums(disk: &Disk, uv: &[DVec2]) -> (f64, f64) {
-    let (mut forward, mut inverse, mut total) = (0.0, 0.0, 0.0);
-    for (f, &area) in disk.areas.iter().enumerate() {
-        if area > 0.0 {
-            let j = disk.jacobian(f, uv);
+    let block = |faces: Range<usize>| {
+        let mut sums = [0.0; 3];
+        for f in faces.filter(|&f| disk.areas[f] > 0.0) {
+            let (area, j) = (disk.areas[f], disk.jacobian(f, uv));
             let (squares, det) = (square_sum(j), j.determinant());
-            forward += area * squares;
-            inverse += if det > 0.0 { area * squares / (det * det) } else { f64::INFINITY };
-            total += area;
+            sums[0] += area * squares;
+            sums[1] += if det > 0.0 { area * squares / (det * det) } else { f64::INFINITY };
+            sums[2] += area;
         }
-    }
+        sums
+    };
+    let blocks = tasks::blocks("dirichlet", disk.areas.len(), block);
+    let [forward, inverse, total] = blocks
+        .into_iter()
+        .fold([0.0; 3], |sums, block| std::array::from_fn(|k| sums[k] + block[k]));
     (forward / total, inverse / total)
 }
 
@@ -128,18 +139,17 @@ pub fn mean_energy(disk: &Disk, uv: &[DVec2]) -> f64 {
 /// Measure a map. A disk without area is an isometry.
 pub fn quality(disk: &Disk, uv: &[DVec2]) -> MapQuality {
     let s = scale(disk, uv);
-    let mut flips = 0;
-    let mut faces: Vec<(f64, f64)> = Vec::with_capacity(disk.triangles.len());
-    for (f, &area) in disk.areas.iter().enumerate() {
-        if area > 0.0 {
-            let positive = is_positive(disk.triangles[f].map(|v| uv[v as usize]));
-            flips += u64::from(!positive);
-            let energy = symmetric_dirichlet(disk.jacobian(f, uv) * (1.0 / s));
-            // An overflow in a hopeless triangle must not read as a number that can be compared.
-            let energy = if positive && !energy.is_nan() { energy } else { f64::INFINITY };
-            faces.push((energy, area));
-        }
-    }
+    let face = |f: usize| {
+        let positive = is_positive(disk.triangles[f].map(|v| uv[v as usize]));
+        let energy = symmetric_dirichlet(disk.jacobian(f, uv) * (1.0 / s));
+        // An overflow in a hopeless triangle must not read as a number that can be compared.
+        let energy = if positive && !energy.is_nan() { energy } else { f64::INFINITY };
+        (energy, disk.areas[f], positive)
+    };
+    let all = tasks::fill("quality", disk.triangles.len(), face);
+    let all = || all.iter().filter(|face| face.1 > 0.0);
+    let flips = all().filter(|face| !face.2).count() as u64;
+    let mut faces: Vec<(f64, f64)> = all().map(|&(energy, area, _)| (energy, area)).collect();
     if faces.is_empty() {
         return MapQuality { mean: 1.0, max: 1.0, p95: 1.0, optimal: 1.0, flips: 0 };
     }

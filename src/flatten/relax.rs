@@ -44,11 +44,13 @@ pub fn relax(disk: &Disk, mut uv: UvMap, sweeps: u32, cancel: &Cancel) -> Result
     }
     for _ in 0..ROUNDS {
         cancel.check()?;
-        let strained: Vec<u32> = (0..disk.triangles.len())
-            .filter(|&f| disk.areas[f] > 0.0)
-            .filter(|&f| symmetric_dirichlet(disk.jacobian(f, &uv)) > STRAINED)
-            .flat_map(|f| disk.triangles[f])
-            .collect();
+        let is_strained = |&f: &usize| {
+            disk.areas[f] > 0.0 && symmetric_dirichlet(disk.jacobian(f, &uv)) > STRAINED
+        };
+        let strained = tasks::blocks("strained", disk.triangles.len(), |faces| {
+            faces.filter(is_strained).flat_map(|f| disk.triangles[f]).collect::<Vec<u32>>()
+        });
+        let strained = strained.concat();
         if strained.is_empty() {
             break;
         }

@@ -62,28 +62,17 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// The nodes over some faces, the root first; `start`: the place of the first of them among all.
     fn nodes(&self, faces: &mut [u32], start: u32) -> Vec<Node> {
-        let (low, high) = bounds(faces.iter().flat_map(|&f| self.surface.corners(f as usize)));
-        if faces.len() <= LEAF {
-            return vec![Node { low, high, first: start, count: faces.len() as u32 }];
+        if faces.len() <= SIDE_BY_SIDE {
+            return self.in_turn(faces, start);
         }
-        let (from, to) = bounds(faces.iter().map(|&f| self.centers[f as usize]));
-        let axis = longest(to - from);
-        let middle = faces.len() / 2;
-        faces.select_nth_unstable_by(middle, |&a, &b| {
-            let (x, y) = (self.centers[a as usize][axis], self.centers[b as usize][axis]);
-            x.total_cmp(&y).then(a.cmp(&b))
-        });
-        let large = faces.len() > SIDE_BY_SIDE;
+        let (root, middle) = self.node(faces, start);
         let (lower, upper) = faces.split_at_mut(middle);
-        let (first, second) = (start, start + middle as u32);
-        let (left, right) = if large {
-            tasks::join("rays", || self.nodes(lower, first), || self.nodes(upper, second))
-        } else {
-            (self.nodes(lower, first), self.nodes(upper, second))
-        };
+        let second = start + middle as u32;
+        let (left, right) =
+            tasks::join("rays", || self.nodes(lower, start), || self.nodes(upper, second));
         // The two children stand side by side, behind them what is below the first, then the second.
         let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
-        nodes.push(Node { low, high, first: 1, count: 0 });
+        nodes.push(Node { first: 1, ..root });
         let moved = |node: &Node, by: usize| match node.count {
             0 => Node { first: node.first + by as u32, ..*node },
             _ => *node,
@@ -93,6 +82,40 @@ impl Builder<'_> {
         nodes.extend(left[1..].iter().map(|node| moved(node, by[0])));
         nodes.extend(right[1..].iter().map(|node| moved(node, by[1])));
         nodes
+    }
+
+    /// The same on one thread.
+    fn in_turn(&self, faces: &mut [u32], start: u32) -> Vec<Node> {
+        let mut nodes = vec![Node { low: DVec3::ZERO, high: DVec3::ZERO, first: 0, count: 0 }];
+        let mut open = vec![(0, 0, faces.len())];
+        while let Some((node, from, to)) = open.pop() {
+            let (made, middle) = self.node(&mut faces[from..to], start + from as u32);
+            nodes[node] = made;
+            if made.count == 0 {
+                let first = nodes.len();
+                nodes[node].first = first as u32;
+                nodes.extend([made; 2]);
+                open.push((first, from, from + middle));
+                open.push((first + 1, from + middle, to));
+            }
+        }
+        nodes
+    }
+
+    /// The node over some faces, which are parted in its two halves, and where; a leaf where they are few.
+    fn node(&self, faces: &mut [u32], start: u32) -> (Node, usize) {
+        let (low, high) = bounds(faces.iter().flat_map(|&f| self.surface.corners(f as usize)));
+        if faces.len() <= LEAF {
+            return (Node { low, high, first: start, count: faces.len() as u32 }, 0);
+        }
+        let (from, to) = bounds(faces.iter().map(|&f| self.centers[f as usize]));
+        let axis = longest(to - from);
+        let middle = faces.len() / 2;
+        faces.select_nth_unstable_by(middle, |&a, &b| {
+            let (x, y) = (self.centers[a as usize][axis], self.centers[b as usize][axis]);
+            x.total_cmp(&y).then(a.cmp(&b))
+        });
+        (Node { low, high, first: 0, count: 0 }, middle)
     }
 }
 

@@ -24,6 +24,9 @@ use plan::Plan;
 /// Sizes by default, triangles.
 const SIZES: [u32; 4] = [6_000, 20_000, 150_000, 1_000_000];
 
+/// Threads of the process whose memory is held against that of a single thread.
+const MANY: usize = 8;
+
 /// Threads that are measured.
 const MEASURED: [usize; 2] = [1, 2];
 
@@ -60,8 +63,6 @@ pub struct Measured {
     pub seconds: f64,
     /// Seconds of each stage, medians.
     pub stages: Vec<(String, f64)>,
-    /// Of a process with so many.
-    pub peak_memory_mib: Option<f64>,
 }
 
 /// One object.
@@ -70,6 +71,8 @@ pub struct Row {
     pub name: String,
     pub triangles: u64,
     pub measured: Vec<Measured>,
+    /// MiB that each thread beyond the first adds to the most memory that a process holds.
+    pub memory_a_thread: Option<f64>,
     /// What was recorded: of several runs that with the median of the work.
     pub plan: Plan,
 }
@@ -134,29 +137,38 @@ impl<'a> Bench<'a> {
         }
         plans.sort_by(|a, b| a.whole.work.total_cmp(&b.whole.work));
         let plan = plans.swap_remove(plans.len() / 2);
-        let program = std::env::current_exe().context("cannot find this program")?;
-        let measured = |(&threads, runs): (&usize, &Vec<Metrics>)| -> Result<Measured> {
-            // Memory is told of a process, so each number of threads needs one of its own.
-            let alone = ["--threads".into(), threads.to_string()];
-            let alone = program::unwrap(&program, mesh, &alone, folder)?;
+        let measured = |(&threads, runs): (&usize, &Vec<Metrics>)| {
             let stage = |(i, stage): (usize, &StageCost)| {
                 let seconds = runs.iter().filter_map(|m| Some(m.cost.stages.get(i)?.wall_s));
                 (stage.name.clone(), median(seconds.collect()))
             };
-            Ok(Measured {
+            Measured {
                 threads,
                 seconds: median(runs.iter().map(|m| m.cost.wall_s).collect()),
                 stages: first.cost.stages.iter().enumerate().map(stage).collect(),
-                peak_memory_mib: alone.at("/cost/peak_memory_mib"),
-            })
+            }
         };
         Ok(Row {
             name: object.name(),
             triangles: first.parts.iter().map(|part| part.faces).sum(),
-            measured: MEASURED.iter().zip(&runs).map(measured).collect::<Result<_>>()?,
+            measured: MEASURED.iter().zip(&runs).map(measured).collect(),
+            memory_a_thread: memory_a_thread(mesh, folder)?,
             plan,
         })
     }
+}
+
+/// What a process of [`MANY`] threads holds more than one of a single thread, for each thread more. Memory is told
+/// of a process, so each needs one of its own.
+fn memory_a_thread(mesh: &Path, folder: &Path) -> Result<Option<f64>> {
+    let program = std::env::current_exe().context("cannot find this program")?;
+    let held = |threads: usize| {
+        let options = ["--threads".into(), threads.to_string()];
+        let ran = program::unwrap(&program, mesh, &options, folder)?;
+        Ok::<_, Error>(ran.at("/cost/peak_memory_mib"))
+    };
+    let (one, many) = (held(1)?, held(MANY)?);
+    Ok(one.zip(many).map(|(one, many)| (many - one) / (MANY - 1) as f64))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

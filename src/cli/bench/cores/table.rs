@@ -53,7 +53,6 @@ pub fn table(rows: &[Row]) -> String {
         let (span, recorded) = (Some(whole.span), Some(whole.work));
         // The recording costs a little itself: its proportions count.
         let off = ratio(ratio(of(2), recorded), ratio(t2, t1)).map(|r| 100.0 * (r - 1.0));
-        let memory = |m: Option<&Measured>| m.and_then(|m| m.peak_memory_mib);
         let _ = writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} % | {} | {} | {} | {} | {} | {} |",
@@ -69,7 +68,7 @@ pub fn table(rows: &[Row]) -> String {
             number(of(64), 2),
             number(span, 2),
             number(ratio(recorded, span), 1),
-            number(memory(two).zip(memory(one)).map(|(two, one)| two - one), 0),
+            number(row.memory_a_thread, 0),
         );
     }
     for row in rows {
@@ -138,16 +137,16 @@ mod tests {
             stages: vec![span("charts", 0.5)],
             links: vec![Link { name: "union".into(), chain: 1.5, work: 6.0 }],
         };
-        let took = |threads, seconds, peak| Measured {
+        let took = |threads, seconds| Measured {
             threads,
             seconds,
             stages: vec![("charts".into(), 0.5 * seconds)],
-            peak_memory_mib: Some(peak),
         };
         let row = Row {
             name: "body".into(),
             triangles: 100,
-            measured: vec![took(1, 4.0, 100.0), took(2, 2.0, 130.0)],
+            measured: vec![took(1, 4.0), took(2, 2.0)],
+            memory_a_thread: Some(30.0),
             plan,
         };
         let text = table(std::slice::from_ref(&row));
