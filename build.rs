@@ -1,4 +1,4 @@
-//! How the program is linked: with its line numbers, by which a backtrace names file and line, compressed.
+//! How the program is linked: with its debug information compressed.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

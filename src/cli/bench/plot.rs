@@ -12,10 +12,13 @@ const COLORS: [&str; 8] =
 /// A name, and points.
 pub type Curve = (String, Vec<(f64, f64)>);
 
+/// What a value may lie beyond a decade by rounding alone.
+const ROUNDING: f64 = 1e-6;
+
 /// Decades that hold every value.
 fn decades(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
-    let low = values.clone().fold(f64::INFINITY, f64::min).log10().floor();
-    let high = values.fold(0.0, f64::max).log10().ceil();
+    let low = (values.clone().fold(f64::INFINITY, f64::min).log10() + ROUNDING).floor();
+    let high = (values.fold(0.0, f64::max).log10() - ROUNDING).ceil();
     [low, high.max(low + 1.0)]
 }
 
