@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::flatten::Disk;
-use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::mesh::{DisjointSets, NONE, Numbers, Surface};
 
 /// A part as a mesh.
 pub struct PartMesh<'a> {
@@ -123,7 +123,7 @@ impl<'a> PartMesh<'a> {
     /// is glued.
     pub fn cut_open_where(&self, faces: Vec<u32>, glued: impl Fn(u32) -> bool) -> Piece {
         let mut sets = DisjointSets::new(3 * faces.len());
-        let places = Places::of(&faces, self.len());
+        let places = Numbers::of(&faces);
         for (i, &f) in faces.iter().enumerate() {
             for k in 0..3u32 {
                 let h = 3 * f + k;
@@ -131,8 +131,10 @@ impl<'a> PartMesh<'a> {
                 if t == NONE || t < h || !glued(h) {
                     continue;
                 }
-                let Some(j) = places.of_face(t / 3) else { continue };
-                let (i, j, l) = (i as u32, j as u32, t % 3);
+                let (i, j, l) = (i as u32, places.get(t / 3), t % 3);
+                if j == NONE {
+                    continue;
+                }
                 sets.join(3 * i + k, 3 * j + (l + 1) % 3);
                 sets.join(3 * i + (k + 1) % 3, 3 * j + l);
             }
@@ -154,37 +156,5 @@ impl<'a> PartMesh<'a> {
             }));
         }
         Piece { faces, disk: Disk::new(positions, triangles), vertices }
-    }
-}
-
-/// Where each of some faces stands among them.
-enum Places<'a> {
-    /// Few of all: searched for.
-    Sorted(&'a [u32]),
-    /// [`NONE`] for faces that are not among them.
-    Table(Vec<u32>),
-}
-
-/// A table is made where at least one face in so many is among them.
-const SPARSE: usize = 16;
-
-impl<'a> Places<'a> {
-    /// Of some (ascending) of so many faces.
-    fn of(faces: &'a [u32], count: usize) -> Self {
-        if SPARSE * faces.len() < count {
-            return Self::Sorted(faces);
-        }
-        let mut table = vec![NONE; count];
-        (0u32..).zip(faces).for_each(|(i, &f)| table[f as usize] = i);
-        Self::Table(table)
-    }
-
-    fn of_face(&self, face: u32) -> Option<usize> {
-        match self {
-            Self::Sorted(faces) => faces.binary_search(&face).ok(),
-            Self::Table(table) => {
-                Some(table[face as usize]).filter(|&i| i != NONE).map(|i| i as usize)
-            }
-        }
     }
 }

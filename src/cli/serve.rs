@@ -11,12 +11,12 @@ use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
 use super::log::LogFlag;
+use super::threads::ThreadsFlag;
 use super::weights::WeightFlags;
 use crate::config::{DataDir, LimitFlags, TimeFlags, host_name};
 use crate::device::DeviceChoice;
 use crate::http::{self, AppState};
 use crate::jobs::{self, Housekeeping, Keep, Kept, Policy, Schema};
-use crate::tasks;
 use crate::telemetry;
 use crate::worker::Supervisor;
 
@@ -167,7 +167,7 @@ fn supervisor(args: &Args, queue: Arc<dyn Keep>) -> Result<Supervisor> {
     flags.extend(args.limits.to_flags());
     flags.extend(args.times.to_flags());
     flags.extend(args.log.flag());
-    let threads = args.threads.map_or_else(tasks::available, NonZeroUsize::get);
+    let threads = ThreadsFlag { threads: args.threads }.count();
     Ok(Supervisor {
         program: std::env::current_exe().context("cannot find this program")?,
         flags,

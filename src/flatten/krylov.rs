@@ -1,8 +1,7 @@
 //! Newton's system of a large disk: its rows put together and solved by conjugate gradients (Hestenes & Stiefel
-//! 1952, doi:10.6028/jres.049.044) with the vertices' own blocks before them, a few iterations and no factor, so
-//! that all of it is divided among threads. Every iterate is a direction of descent, and what few iterations leave
-//! undone are long waves, which a map that was carried over from a coarser mesh does not have (truncated Newton:
-//! Dembo & Steihaug 1983, doi:10.1007/BF02592055).
+//! 1952, doi:10.6028/jres.049.044), a few iterations and no factor, so that all of it is divided among threads. Before
+//! them stand the vertices' own blocks and, for the long waves that few iterations would leave undone, a coarse grid.
+//! Every iterate is a direction of descent (truncated Newton: Dembo & Steihaug 1983, doi:10.1007/BF02592055).
 
 use glam::{DMat2, DVec2};
 
@@ -165,7 +164,6 @@ mod tests {
         let area = disk.area();
         let rows = Rows::of(&disk);
         let mut system = rows.assemble(&disk, &uv, area, Model::newton);
-        // A fixed vertex takes the translations away.
         let mut direct = BlockSystem::new(uv.len(), disk.triangles.clone()).unwrap();
         for f in 0..disk.triangles.len() {
             let hats = hat_gradients(&disk.rest[f]);

@@ -11,7 +11,8 @@ use glam::{DMat2, DVec2};
 
 use super::border::Border;
 use super::jacobian::rescale;
-use super::system::{BlockSystem, PINNED};
+use super::pattern::PINNED;
+use super::system::BlockSystem;
 use super::{Disk, FlattenError, UvMap};
 
 /// Gradients of a triangle's three hat functions in its own plane, from its rest shape.

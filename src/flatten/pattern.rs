@@ -15,6 +15,8 @@ pub(super) const PINNED: u32 = u32::MAX;
 pub struct Pattern {
     /// Pairs of unknowns, the lower first, ascending.
     pub(super) edges: Vec<(u32, u32)>,
+    /// The edges from each unknown to higher ones: those of `v` are `starts[v]..starts[v + 1]`.
+    pub(super) starts: Vec<u32>,
     /// For edge k (corner k to k + 1) of each triangle its place in `edges`; [`PINNED`] where it joins no two
     /// unknowns.
     pub(super) edge_of: Vec<[u32; 3]>,
@@ -44,18 +46,13 @@ impl Pattern {
             }
             edge_of[h as usize / 3][h as usize % 3] = edges.len() as u32 - 1;
         }
-        let order = order(unknowns, &edges)?;
-        Ok(Self { edges, edge_of, order, unknowns })
-    }
-
-    /// The edges from each unknown to higher ones: those of `v` are `starts[v]..starts[v + 1]`.
-    pub(super) fn starts(&self) -> Vec<u32> {
-        let mut starts = vec![0; self.unknowns + 1];
-        self.edges.iter().for_each(|e| starts[e.0 as usize + 1] += 1);
-        for v in 0..self.unknowns {
+        let mut starts = vec![0; unknowns + 1];
+        edges.iter().for_each(|e| starts[e.0 as usize + 1] += 1);
+        for v in 0..unknowns {
             starts[v + 1] += starts[v];
         }
-        starts
+        let order = order(&starts, &edges)?;
+        Ok(Self { edges, starts, edge_of, order, unknowns })
     }
 
     /// The order for so many unknowns a vertex, which stay together, and its inverse.
@@ -68,15 +65,12 @@ impl Pattern {
     }
 }
 
-/// An order of elimination that fills in little (approximate minimum degree). `edges`: pairs, lower first, sorted.
-fn order(vertices: usize, edges: &[(u32, u32)]) -> Result<Vec<u32>, FlattenError> {
-    let mut columns = vec![0; vertices + 1];
-    edges.iter().for_each(|e| columns[e.0 as usize + 1] += 1);
-    for v in 0..vertices {
-        columns[v + 1] += columns[v];
-    }
+/// An order of elimination that fills in little (approximate minimum degree). `edges`: pairs, lower first, sorted;
+/// `columns`: where those of each vertex start.
+fn order(columns: &[u32], edges: &[(u32, u32)]) -> Result<Vec<u32>, FlattenError> {
+    let vertices = columns.len() - 1;
     let rows: Vec<u32> = edges.iter().map(|e| e.1).collect();
-    let graph = SymbolicSparseColMatRef::new_checked(vertices, vertices, &columns, None, &rows);
+    let graph = SymbolicSparseColMatRef::new_checked(vertices, vertices, columns, None, &rows);
     let (mut order, mut inverse) = (vec![0; vertices], vec![0; vertices]);
     let request = amd::order_maybe_unsorted_scratch::<u32>(vertices, edges.len());
     let mut memory = MemBuffer::new(request);

@@ -102,8 +102,8 @@ fn stepped(disk: &Disk, uv: &[DVec2], v: usize, fan: &[u32]) -> DVec2 {
     if !direction.is_finite() {
         return from;
     }
-    let tries = (0..HALVINGS).map(|k| from + direction * 0.5f64.powi(k as i32));
-    tries.into_iter().find(|&at| energy(disk, uv, (v, at), fan) < before).unwrap_or(from)
+    let mut tries = (0..HALVINGS).map(|k| from + direction * 0.5f64.powi(k as i32));
+    tries.find(|&at| energy(disk, uv, (v, at), fan) < before).unwrap_or(from)
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub struct SlimOptions {
     pub keep_simple: bool,
     /// Take Newton's steps from the first on: for a start that is near the optimum.
     pub newton: bool,
-    /// Solve by so many conjugate gradients instead of a factor: for a large disk whose map lacks short waves alone.
+    /// Solve by so many conjugate gradients instead of a factor: for a large disk, whose factor costs most.
     pub gradients: Option<u32>,
 }
 

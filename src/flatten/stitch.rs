@@ -32,7 +32,7 @@ pub fn stitch(
     let mut rhs = Mat::<f64>::zeros(n, 2);
     let mut used = vec![false; n];
     // The column of v: its diagonal, then its edges to higher vertices.
-    let starts = pattern.starts();
+    let starts = &pattern.starts;
     let place = |e: u32| e as usize + pattern.edges[e as usize].0 as usize + 1;
     let diagonal = |v: usize| starts[v] as usize + v;
     let mut values = vec![0.0; n + pattern.edges.len()];
@@ -67,8 +67,8 @@ pub fn stitch(
 /// Solve for both coordinates at once, in place.
 fn solve(pattern: &Pattern, values: &[f64], rhs: &mut Mat<f64>) -> Result<(), FlattenError> {
     let n = pattern.unknowns;
-    let starts = pattern.starts();
-    let columns: Vec<u32> = (0u32..).zip(&starts).map(|(v, start)| start + v).collect();
+    let starts = &pattern.starts;
+    let columns: Vec<u32> = (0u32..).zip(starts).map(|(v, start)| start + v).collect();
     let own = |v: u32| {
         let edges = starts[v as usize] as usize..starts[v as usize + 1] as usize;
         std::iter::once(v).chain(pattern.edges[edges].iter().map(|e| e.1))

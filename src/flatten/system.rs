@@ -16,8 +16,7 @@ use faer::{Conj, MatMut, Par, Side};
 use glam::DMat2;
 
 use super::FlattenError;
-pub(super) use super::pattern::PINNED;
-use super::pattern::Pattern;
+use super::pattern::{PINNED, Pattern};
 
 /// The blocks of one system, its pattern's analysis, and its factor.
 pub(super) struct BlockSystem {
@@ -48,7 +47,7 @@ impl BlockSystem {
         let mut columns = Vec::with_capacity(2 * unknowns + 1);
         let mut rows = Vec::with_capacity(3 * unknowns + 4 * edges.len());
         let mut places = vec![[0; 2]; edges.len()];
-        let starts = pattern.starts();
+        let starts = &pattern.starts;
         for v in 0..unknowns as u32 {
             let own = starts[v as usize] as usize..starts[v as usize + 1] as usize;
             for half in 0..2 {

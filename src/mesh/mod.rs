@@ -7,6 +7,7 @@ pub mod export;
 mod formats;
 pub mod import;
 mod maxflow;
+mod numbers;
 mod proxy;
 pub mod rays;
 mod scene;
@@ -19,6 +20,7 @@ pub use condition::{Conditioned, condition};
 pub use disjoint::DisjointSets;
 pub use import::{ImportError, import};
 pub use maxflow::Flow;
+pub use numbers::Numbers;
 pub use proxy::{Place, Proxy, ProxySize, proxy};
 pub use scene::{
     ABSENT, Attribute, Component, Document, Instance, Material, Mesh, Node, Other, Primitive,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::fork::even;
 
 /// Items of a block; fewer than two blocks are done by the thread that asks.
-pub const BLOCK: usize = 2048;
+const BLOCK: usize = 2048;
 
 /// The item at each place.
 pub fn fill<T: Send>(

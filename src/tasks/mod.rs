@@ -13,7 +13,7 @@ mod schedule;
 mod threads;
 
 pub use ahead::beside;
-pub use blocks::{BLOCK, blocks, fill, sum};
+pub use blocks::{blocks, fill, sum};
 pub use disturb::disturb;
 pub use fork::{Fork, even, join, map, map_by_size};
 pub use record::{Node, Recorded, link, mark, record};

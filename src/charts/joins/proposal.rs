@@ -34,7 +34,6 @@ const DEPTH_MISFIT: f64 = 3.0;
 pub type Motion = (DMat2, DVec2);
 
 /// A union that is worth a solve.
-#[derive(Clone)]
 pub struct Proposal {
     /// The path.
     pub candidate: Candidate,
@@ -140,7 +139,7 @@ impl Proposal {
     ) -> Result<bool, Canceled> {
         let Solved { path, piece, found } = solved;
         let bound = self.bound(&piece);
-        // What is known now comes before what was found ahead of the turn.
+        // What others of the batch have noted by now comes before what was found beside them.
         let found = match (work.known.recall(&piece, bound), found) {
             (Some(known), _) => known,
             (None, Some(found)) => work.known.note(&piece, bound, found),

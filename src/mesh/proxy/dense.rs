@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::collapse::{Collapsed, Sheet, collapse};
 use super::place::{Locator, Place};
 use crate::contract::{Canceled, Run};
-use crate::mesh::{DisjointSets, NONE, Surface};
+use crate::mesh::{DisjointSets, NONE, Numbers, Surface};
 use crate::tasks;
 
 /// A component that was collapsed; its faces and vertices have numbers of their own.
@@ -59,28 +59,6 @@ impl Dense {
         collapsed.sheet.positions.iter_mut().for_each(|p| *p = *p * unit + centre);
         run.cancel.check()?;
         Ok(Self { faces, vertices, collapsed, face, places })
-    }
-}
-
-/// The place of each of some numbers among them. A search for each would take most of the time.
-struct Numbers {
-    first: u32,
-    place: Vec<u32>,
-}
-
-impl Numbers {
-    /// Of ascending numbers.
-    fn of(numbers: &[u32]) -> Self {
-        let first = numbers.first().copied().unwrap_or(0);
-        let span = numbers.last().map_or(0, |last| last - first + 1);
-        let mut place = vec![NONE; span as usize];
-        (0u32..).zip(numbers).for_each(|(i, &n)| place[(n - first) as usize] = i);
-        Self { first, place }
-    }
-    /// Where a number is, [`NONE`] where it is not.
-    fn get(&self, number: u32) -> u32 {
-        let at = number.checked_sub(self.first).and_then(|at| self.place.get(at as usize));
-        at.copied().unwrap_or(NONE)
     }
 }
 
